@@ -19,6 +19,7 @@ from pathlib import Path
 from graphnav.errors import GraphnavError, shown_path
 from graphnav.machine.atomic_write import write_atomically
 from graphnav.machine.regular_file import is_own, read_json, read_regular
+from graphnav.machine.user_folders import no_user_folder, user_folder
 from graphnav.notices import print_notice
 from graphnav.run_folder import PLUGINS, is_graph_of_run
 
@@ -144,11 +145,8 @@ def trusted_folders() -> tuple[str, ...]:
 
 def state_file() -> Path | None:
     """Return the file that trust is kept in; None without a home folder."""
-    given = os.environ.get("XDG_STATE_HOME", "")
-    try:
-        return (Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state") / "graphnav" / _FILE
-    except RuntimeError:
-        return None
+    folder = user_folder("XDG_STATE_HOME")
+    return None if folder is None else folder / _FILE
 
 
 @dataclass(frozen=True)
@@ -186,7 +184,7 @@ def _change(change: Callable[[_Known], _Known]) -> str:
     """Apply a change to what is remembered; return why that is not possible, empty if it is."""
     path = state_file()
     if path is None:
-        return "there is no home folder"
+        return no_user_folder("XDG_STATE_HOME")
     if change(before := _read()) == before:
         return ""
     try:

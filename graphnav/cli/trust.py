@@ -38,16 +38,20 @@ def main(args: argparse.Namespace) -> int:
             print(shown_name(folder))
         return OK
     folder = args.folder.resolve()
+    is_known, name = str(folder) in trusted_folders(), shown_name(str(folder))
     if args.revoke:
-        if str(folder) not in trusted_folders():
+        if not is_known:
             raise UserError.of(f"{args.folder} is not trusted", "graphnav trust lists the folders that are")
         why = forget(folder)
+        done = f"no longer trusted: {name}; a plugin file that a graph in it names runs only after you were asked"
     elif folder.is_dir():
         why = remember(Request(folder, ()))
+        done = f"{'already ' * is_known}trusted: {name}; plugin files that graphs in it name run without a question"
     else:
         raise UserError.of(f"{args.folder} is not a folder", "name the folder of a graph")
     if why:
         raise GraphnavError(f"the list of trusted folders is unchanged: {why}")
+    print(done)
     return OK
 
 

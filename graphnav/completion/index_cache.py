@@ -13,6 +13,7 @@ from pathlib import Path
 
 from graphnav.completion.index import Index, build_index
 from graphnav.machine.regular_file import read_json
+from graphnav.machine.user_folders import user_folder
 
 _OWN = ("graphnav", "graphnav_graphs", "graphnav_lcm")
 _GROUP = "graphnav"
@@ -22,6 +23,8 @@ def installed_index() -> Index:
     """Return the index from the cache, else build it and write the cache; a folder without rights costs only time."""
     file = cache_file()
     stamp = _stamp()
+    if file is None:
+        return build_index()
     with suppress(OSError, ValueError, KeyError, TypeError):
         kept = read_json(file)
         if kept["stamp"] == stamp:
@@ -35,9 +38,10 @@ def installed_index() -> Index:
     return index
 
 
-def cache_file() -> Path:
-    """Return where the index is kept: in the user's cache folder."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "graphnav" / "completion.json"
+def cache_file() -> Path | None:
+    """Return where the index is kept: in the user's cache folder; None without a home folder."""
+    folder = user_folder("XDG_CACHE_HOME")
+    return None if folder is None else folder / "completion.json"
 
 
 def _stamp() -> str:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError, LogError, UserError, message_line, shown_name
 from graphnav.machine.regular_file import is_own
+from graphnav.machine.user_folders import user_folder
 from graphnav.messages import About
 from graphnav.record import Recording
 from graphnav.record.find_log import parts_of
@@ -69,12 +70,16 @@ def open_completed(
     made = _complete(recording, catalog or Catalog(), plugins, on_tick)
     if made.content is None:
         tell(
-            f"{path} leaves out large messages, which cannot be made again: {made.why}\n"
-            f"  what it holds is shown; {made.hint}"
+            f"{path} does not hold its large messages, and they cannot be recomputed: {made.why}\n"
+            f"  only what it holds is shown; {made.hint}"
         )
         return recording
-    how = f"made again in {made.wall_s:.1f} s" if made.wall_s else "made again before"
-    tell(f"{path} leaves out large messages: {how}")
+    how = (
+        f"a replay recomputed them in {made.wall_s:.1f} s"
+        if made.wall_s
+        else "an earlier replay kept them in the cache"
+    )
+    tell(f"{path} does not hold its large messages: {how}")
     completed = Recording(path, made.content)
     completed.truncated, completed.damaged = recording.truncated, recording.damaged
     recording.close()
@@ -83,11 +88,8 @@ def open_completed(
 
 def cache_folder() -> Path | None:
     """Return the folder of completed logs, below ``XDG_CACHE_HOME`` or ``~/.cache``; None without a home folder."""
-    given = os.environ.get("XDG_CACHE_HOME", "")
-    try:
-        return (Path(given) if os.path.isabs(given) else Path.home() / ".cache") / "graphnav" / "logs"
-    except RuntimeError:
-        return None
+    folder = user_folder("XDG_CACHE_HOME")
+    return None if folder is None else folder / "logs"
 
 
 def _complete(

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import tempfile
 from collections.abc import Iterable
 from importlib.metadata import version
 from pathlib import Path
+from typing import Final
 
 from graphnav.errors import UserError
 from graphnav.machine.jdk import require_jdk
+from graphnav.machine.user_folders import no_user_folder, user_folder
 from graphnav.typeinfo.definitions import definition_files
 from graphnav.typeinfo.java import write_java
 
-_CACHE = "XDG_CACHE_HOME"
+_CACHE: Final = "XDG_CACHE_HOME"
 
 
 def types_jar(lcm_classes: Iterable[type]) -> Path:
@@ -24,7 +25,7 @@ def types_jar(lcm_classes: Iterable[type]) -> Path:
     Raises
     ------
     UserError
-        No JDK is installed, or the cache cannot be written.
+        No JDK is installed, or the cache cannot be written or has no folder.
     GraphnavError
         A tool fails, or is missing in the package ``lcm``.
     """
@@ -32,7 +33,10 @@ def types_jar(lcm_classes: Iterable[type]) -> Path:
     jdk = require_jdk()
     content = [version("lcm"), str(jdk.javac and jdk.javac.resolve()), definition_files(classes)]
     key = hashlib.sha256(json.dumps(content).encode()).hexdigest()[:24]
-    folder = _cache_folder()
+    cache = user_folder(_CACHE)
+    if cache is None:
+        raise UserError.of("no folder for the jar of types", no_user_folder(_CACHE))
+    folder = cache / "java"
     jar = folder / f"types-{key}.jar"
     try:
         if jar.is_file():
@@ -44,9 +48,3 @@ def types_jar(lcm_classes: Iterable[type]) -> Path:
         what = f"cannot write {folder}: {error.strerror}"
         raise UserError.of(what, f"set {_CACHE} to a writable folder") from error
     return jar
-
-
-def _cache_folder() -> Path:
-    given = os.environ.get(_CACHE, "")
-    root = Path(given) if given.startswith("/") else Path.home() / ".cache"
-    return root / "graphnav" / "java"

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import pwd
 from pathlib import Path
 
 import pytest
 
+from graphnav.completion.index_cache import cache_file
+from graphnav.replay.completed_log import cache_folder
 from graphnav.run_folder import GRAPH, LOG, PLUGINS
 from graphnav.trust import (
     Request,
@@ -155,6 +159,31 @@ def test_the_file_is_where_xdg_says(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         assert state_file() == tmp_path / ".local" / "state" / "graphnav" / "trust.json"
     monkeypatch.delenv("XDG_STATE_HOME")
     assert state_file() == tmp_path / ".local" / "state" / "graphnav" / "trust.json"
+
+
+@pytest.mark.parametrize("home", ["", "relative", None])
+def test_without_a_usable_home_the_password_database_says_where(
+    home: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("XDG_STATE_HOME")
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    if home is None:
+        monkeypatch.delenv("HOME")
+    else:
+        monkeypatch.setenv("HOME", home)
+    entry = Path(pwd.getpwuid(os.getuid()).pw_dir)
+    assert state_file() == entry / ".local" / "state" / "graphnav" / "trust.json"
+    assert cache_folder() == entry / ".cache" / "graphnav" / "logs"
+    assert cache_file() == entry / ".cache" / "graphnav" / "completion.json"
+
+
+def test_a_user_without_an_entry_has_no_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("XDG_STATE_HOME")
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", "")
+    monkeypatch.setattr(os, "getuid", lambda: 2**31 - 2)
+    assert state_file() is cache_folder() is cache_file() is None
+    assert remember(Request(Path("/x"), ())) == ("this user has no home folder: set XDG_STATE_HOME to an absolute path")
 
 
 def test_written_folders_are_bounded_and_the_newest_are_kept(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:

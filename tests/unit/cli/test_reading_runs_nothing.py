@@ -230,10 +230,10 @@ READERS = {
 }
 """Commands that make again what the log of a run leaves out, and then read it."""
 NOT_MADE = (
-    "run/run.lcmlog leaves out large messages, which cannot be made again: its plugins are Python code that is not "
-    "trusted (mine.py)\n  what it holds is shown; run it with --trust\n"
+    "run/run.lcmlog does not hold its large messages, and they cannot be recomputed: its plugins are Python code "
+    "that is not trusted (mine.py)\n  only what it holds is shown; run it with --trust\n"
 )
-MADE = "run/run.lcmlog leaves out large messages: made again"
+MADE = "run/run.lcmlog does not hold its large messages: a"
 
 
 @pytest.fixture
@@ -333,7 +333,7 @@ def test_a_cache_that_others_may_write_is_not_read(
     folder = cache_folder()
     assert folder is not None
     folder.mkdir(parents=True, exist_ok=True)
-    for mode, told in ((0o700, "made again in"), (0o700, "made again before"), (0o770, "made again in")):
+    for mode, told in ((0o700, "a replay recomputed"), (0o700, "an earlier replay"), (0o770, "a replay recomputed")):
         folder.chmod(mode)
         caplog.clear()
         with graphnav.open_log("run"):
@@ -425,7 +425,7 @@ def test_a_plugin_stays_below_the_folder_of_its_graph(
     more = {"teach": ["-o", "out.lcmlog"], "run": QUIET, "ablate": ["--vary", "wheels.speed_mps=0,1", "--seeds", "0:1"]}
     more["tune"] = [*more["ablate"], "--metrics", "wheels.way_m", "--search", "wheels.speed_mps=0:1", "--trials", "2"]
     assert main([command, "other/graph.yaml", *more.get(command, ())]) == 2
-    said = "there is no such file" if way == "home" else "is outside of the folder of its graph\n"
+    said = "file not found" if way == "home" else "is outside of the folder of its graph\n"
     assert said in capsys.readouterr().err
     assert not has_run()
 
@@ -511,7 +511,12 @@ def test_from_python_trust_is_an_argument(has_run: HasRun) -> None:
 def test_the_command_lists_folders(has_run: HasRun, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["trust"]) == 0
     assert capsys.readouterr() == ("", "")
+    folder = Path("theirs").resolve()
     assert main(["trust", "theirs"]) == 0
+    done = "plugin files that graphs in it name run without a question\n"
+    assert capsys.readouterr().out == f"trusted: {folder}; {done}"
+    assert main(["trust", "theirs"]) == 0
+    assert capsys.readouterr().out == f"already trusted: {folder}; {done}"
     assert main(["trust"]) == 0
     assert capsys.readouterr().out == f"{Path('theirs').resolve()}\n"
     for words, said in (

@@ -64,13 +64,15 @@ def test_the_stages_of_a_file_are_known_without_running_it(tmp_path: Path, index
 def test_the_index_is_kept_until_a_package_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     first = installed_index()
-    kept = cache_file().read_bytes()
+    file = cache_file()
+    assert file is not None
+    kept = file.read_bytes()
     assert installed_index() == first
-    cache_file().write_bytes(kept.replace(b"plane.ica", b"plane.old"))
+    file.write_bytes(kept.replace(b"plane.ica", b"plane.old"))
     assert "plane.old" in installed_index().params
-    cache_file().write_bytes(kept.replace(b"graphnav_plane ", b"graphnav_plane 1"))
+    file.write_bytes(kept.replace(b"graphnav_plane ", b"graphnav_plane 1"))
     assert installed_index() == first
-    cache_file().write_bytes(kept[:100])
+    file.write_bytes(kept[:100])
     assert installed_index() == first
 
 
