@@ -358,7 +358,7 @@ def _real_file(path: Path) -> str:
         near: Hint = did_you_mean(path.name, (p.name for p in path.parent.glob("*.py")))
     except (OSError, ValueError):  # a name too long, or with a null character
         near = ""
-    raise CatalogError(f"plugin {path}: there is no such file", near)
+    raise CatalogError(f"plugin {path}: file not found", near)
 
 
 def _import_file(path: Path, source: bytes | None) -> ModuleType:

@@ -88,7 +88,7 @@ class _Parser(argparse.ArgumentParser):
                 begun = [option for option in known if option.startswith(name[2:])]
                 near = begun if len(begun) == 1 else did_you_mean(name[2:], known).names
                 hint = f"did you mean '--{near[0]}'?" if near else f"see {self.prog} --help"
-                self.error(f"there is no option {name}: {hint}")
+                self.error(f"unknown option {name}: {hint}")
 
     def _print_message(self, message: str, file: Any = None) -> None:
         if message and file is not None and file is sys.stdout:
@@ -210,7 +210,7 @@ def _parsed(words: list[str], chosen: str | None) -> argparse.Namespace:
     parser = build_parser(chosen if chosen in COMMANDS else None)
     if chosen is not None and chosen not in COMMANDS:
         hint = did_you_mean(chosen, COMMANDS) or "see graphnav --help"
-        parser.error(f"there is no command '{shown_name(chosen)}': {hint}")
+        parser.error(f"unknown command '{shown_name(chosen)}': {hint}")
 
     def print_help(_: argparse.Namespace) -> int:
         parser.print_help()

@@ -142,7 +142,7 @@ def add_former_option(parser: argparse.ArgumentParser, former: str, now: str) ->
 
     class Refuse(argparse.Action):
         def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-            parser.error(f"there is no option {former}: did you mean '{now}'?")
+            parser.error(f"unknown option {former}: did you mean '{now}'?")
 
     parser.add_argument(former, action=Refuse, help=argparse.SUPPRESS)
 

@@ -134,9 +134,10 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
     from graphnav.runner.recording.run_recorded import SUMMARY
 
     files, pictures = [LOG, GRAPH, SUMMARY], list[str]()
-    if summary.outcome == "stopped":
+    wants_pictures = bool(summary.frames) and not args.no_pictures
+    if summary.outcome == "stopped" and wants_pictures:
         print(f"no pictures were drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
-    elif not args.no_pictures and summary.frames:
+    elif wants_pictures:
         try:
             with full.recording(folder / LOG) as recording:
                 pictures = [path.name for path in draw_all(catalog, recording, folder, video=args.video)]

@@ -31,7 +31,7 @@ def as_text(info: LogInfo) -> list[str]:
     if info.unfinished:
         lines.append(shown_name(info.unfinished))
     if info.completion_hint:
-        lines.append(f"it leaves out large messages that a replay makes again; {info.completion_hint}")
+        lines.append(f"its large messages are not recorded, a replay recomputes them; {info.completion_hint}")
     return lines
 
 
@@ -89,7 +89,8 @@ def _origin_lines(origin: LogOrigin) -> Iterator[str]:
     words += [f"run {origin.run_id}"] if origin.run_id else []
     words += [f"outcome {origin.outcome}"] if origin.outcome else []
     words += [f"{name} {origin.versions[name]}" for name in _SHOWN_VERSIONS if name in origin.versions]
-    yield shown_name(f"made by {origin.name or 'a graph'}: " + ", ".join(filter(None, words)))
+    graph = f"the graph {origin.name}" if origin.name else "a graph whose name is not recorded"
+    yield shown_name(f"run of {graph}: " + ", ".join(filter(None, words)))
     if origin.about:
         yield shown_name(f"  {origin.about}")
 

@@ -11,6 +11,7 @@ from graphnav.errors import LogError
 from graphnav.machine.regular_file import read_json
 from graphnav.messages import Status
 from graphnav.record import LOG, Recording
+from graphnav.record.find_log import parts_of
 from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recording.run_recorded import SUMMARY
 
@@ -64,8 +65,8 @@ def _name_by_status(recording: Recording) -> str | None:
 
 
 def _summary(log: Path) -> dict[str, Any]:
-    """Return the summary of the log's run folder; empty if it is missing or unreadable."""
-    if log.name != LOG:
+    """Return the summary of the run folder of a log or of a part of it; empty if it is missing or unreadable."""
+    if log not in parts_of(log.with_name(LOG)):
         return {}
     try:
         found = read_json(log.parent / SUMMARY)

@@ -132,6 +132,8 @@ def _notes(profile: Profile) -> Iterator[Text]:
     )
     if found.bare_p50_ms is not None:
         text.append(f"; median tick {found.timed_p50_ms:.3f} ms with, {found.bare_p50_ms:.3f} ms without them")
+        if found.timed_p50_ms < found.bare_p50_ms:
+            text.append(": the difference is noise, since instruments do not speed up a tick")
     yield text
     if profile.ticks["timed"] < _FEW:
         yield Text(f"quantiles of {profile.ticks['timed']} ticks are rough: let it run longer")

@@ -165,7 +165,9 @@ class Recording:
     def completion_hint(self) -> str:
         """How to write the log with what it leaves out; an empty string if it `leaves_out` nothing."""
         log = self.path.parent if self.path.name == LOG else self.path
-        return f"make the rest again: graphnav replay {shown_name(str(log))} -o full.lcmlog" if self.leaves_out else ""
+        return (
+            f"write the complete log: graphnav replay {shown_name(str(log))} -o full.lcmlog" if self.leaves_out else ""
+        )
 
     def lacks(self, channel: str) -> bool:
         """Whether messages of a channel may be left out; false only where that is certain.

@@ -120,7 +120,7 @@ def test_a_log_replays(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_log_tells_what_made_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["info", str(RUN)]) == 0
-    assert "made by small_drive: 9 stages, seed 0" in capsys.readouterr().out
+    assert "run of the graph small_drive: 9 stages, seed 0" in capsys.readouterr().out
 
 
 def test_a_log_is_drawn(tmp_path: Path) -> None:
@@ -150,4 +150,4 @@ def test_former_names_are_refused_in_files_that_people_write(
     with pytest.raises(SystemExit) as ended:
         main(["ablate", "corridor_ccw", *vary, "--figures", "drive.success"])
     assert ended.value.code == 2
-    assert "there is no option --figures: did you mean '--metrics'?" in capsys.readouterr().err
+    assert "unknown option --figures: did you mean '--metrics'?" in capsys.readouterr().err

@@ -57,7 +57,7 @@ def test_a_run_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert lines[:4] == [
         f"{tmp_path / 'run.lcmlog'}: {size / 1000:.0f} kB, 42 messages on 4 channels, 2.000 s",
         "simulated time from 0.000 s",
-        "made by corridor: 2 stages, seed 7, run cafe1234, outcome goal, graphnav 0.2.0, lcm 1.5.3",
+        "run of the graph corridor: 2 stages, seed 7, run cafe1234, outcome goal, graphnav 0.2.0, lcm 1.5.3",
         "  Follow the floor.",
     ]
     rows = {line.split()[0]: " ".join(line.split()[1:]) for line in lines[4:] if line.strip() and "─" not in line}
@@ -112,7 +112,14 @@ def test_a_summary_that_cannot_be_read_is_left_out(
     write_run(tmp_path)
     (tmp_path / "summary.json").write_text(text)
     assert main(["info", str(tmp_path)]) == 0
-    assert "made by a graph: 2 stages, seed 7\n" in capsys.readouterr().out
+    assert "run of a graph whose name is not recorded: 2 stages, seed 7\n" in capsys.readouterr().out
+
+
+def test_a_part_of_a_run_names_its_graph(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_run(tmp_path)
+    (tmp_path / "run.0001.lcmlog").write_bytes((tmp_path / "run.lcmlog").read_bytes())
+    assert main(["info", str(tmp_path / "run.0001.lcmlog")]) == 0
+    assert "run of the graph corridor: 2 stages, seed 7" in capsys.readouterr().out
 
 
 def test_a_log_of_others_has_types_by_fingerprint(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

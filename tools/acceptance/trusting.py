@@ -73,7 +73,9 @@ SHORT_S = 8.0
 COMPLETED = ("figure", "export", "spy", "view", "echo", "hz", "bw", "play", "replay --play", "open_log")
 """Commands that make again what a log leaves out, and the function of Python."""
 OPEN_LOG = "import sys, graphnav\nwith graphnav.open_log(sys.argv[1]) as log: print(log.channels)"
-LEAVES_OUT = "leaves out large messages, which cannot be made again: its plugins are Python code that is not trusted"
+LEAVES_OUT = (
+    "does not hold its large messages, and they cannot be recomputed: its plugins are Python code that is not trusted"
+)
 
 
 @dataclass(frozen=True)

@@ -90,7 +90,7 @@ def _load(
         except OSError as error:
             is_absent = isinstance(error, FileNotFoundError)
             near = did_you_mean(path.name, (other.name for other in path.parent.glob("*.py"))) if is_absent else ""
-            reason = "there is no such file" if is_absent else error.strerror
+            reason = "file not found" if is_absent else error.strerror
             problems.append(Problem(item.place, f"plugin {graph.parent / str(item.data)}: {reason}", near))
     request = request_of(graph, sources)
     may_run = not sources or catalog.trust.allows(request)

@@ -100,7 +100,7 @@ def test_names_of_classes_become_names_of_stages(tmp_path: Path) -> None:
 
 def test_a_missing_file(tmp_path: Path) -> None:
     plugin(tmp_path, "")
-    assert refused(tmp_path / "my_stag.py") == "plugin my_stag.py: there is no such file\n  did you mean 'my_stage.py'?"
+    assert refused(tmp_path / "my_stag.py") == "plugin my_stag.py: file not found\n  did you mean 'my_stage.py'?"
 
 
 def test_a_file_that_is_no_python(tmp_path: Path) -> None:

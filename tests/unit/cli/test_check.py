@@ -76,7 +76,7 @@ def test_what_a_parameter_names_is_looked_at(capsys: pytest.CaptureFixture[str])
 
 def test_a_missing_plugin_is_a_users_error(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "graph", "--plugin", "none.py"]) == 2
-    assert capsys.readouterr().err == "plugin none.py: there is no such file\n"
+    assert capsys.readouterr().err == "plugin none.py: file not found\n"
 
 
 def test_a_huge_file_is_refused_unread(capsys: pytest.CaptureFixture[str]) -> None:

@@ -107,14 +107,14 @@ def test_line_breaks_in_names_make_no_lines(capsys: pytest.CaptureFixture[str]) 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["run", "corridor_ccw", "--unti", "1"], "there is no option --unti: did you mean '--until'?"),
-        (["teach", "corridor_ccw", "--until-t", "1,2"], "there is no option --until-t: did you mean '--until-taught'?"),
-        (["echo", "twist", "--fi=y"], "there is no option --fi: did you mean '--field'?"),
-        (["play", "run.lcmlog", "--for", "1"], "there is no option --for: see graphnav play --help"),
-        (["run", "corridor_ccw", "--zzz"], "there is no option --zzz: see graphnav run --help"),
-        (["--versio"], "there is no option --versio: did you mean '--version'?"),
-        (["rnu", "corridor_ccw"], "there is no command 'rnu': did you mean 'run'?"),
-        (["zzz"], "there is no command 'zzz': see graphnav --help"),
+        (["run", "corridor_ccw", "--unti", "1"], "unknown option --unti: did you mean '--until'?"),
+        (["teach", "corridor_ccw", "--until-t", "1,2"], "unknown option --until-t: did you mean '--until-taught'?"),
+        (["echo", "twist", "--fi=y"], "unknown option --fi: did you mean '--field'?"),
+        (["play", "run.lcmlog", "--for", "1"], "unknown option --for: see graphnav play --help"),
+        (["run", "corridor_ccw", "--zzz"], "unknown option --zzz: see graphnav run --help"),
+        (["--versio"], "unknown option --versio: did you mean '--version'?"),
+        (["rnu", "corridor_ccw"], "unknown command 'rnu': did you mean 'run'?"),
+        (["zzz"], "unknown command 'zzz': see graphnav --help"),
     ],
 )
 def test_an_option_is_not_abbreviated(capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:

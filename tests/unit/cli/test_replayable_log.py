@@ -21,8 +21,8 @@ from graphnav.spy import Feed
 from graphnav.view import LogSource
 from graphnav.view.content.page_state import state_of
 
-BEFORE = "run/run.lcmlog leaves out large messages: made again before\n"
-MADE = "run/run.lcmlog leaves out large messages: made again in "
+BEFORE = "run/run.lcmlog does not hold its large messages: an earlier replay kept them in the cache\n"
+MADE = "run/run.lcmlog does not hold its large messages: a replay recomputed them in "
 Capture = pytest.CaptureFixture[str]
 Caplog = pytest.LogCaptureFixture
 Run = Callable[..., None]
@@ -163,8 +163,8 @@ def test_where_it_cannot_be_made_what_there_is_is_shown(run: Run, capsys: Captur
     said = capsys.readouterr()
     assert "flow.flow" in said.out
     assert said.err == (
-        "alone.lcmlog leaves out large messages, which cannot be made again: there is no family 'mine'\n"
-        "  what it holds is shown; 'graphnav replay' tells more\n"
+        "alone.lcmlog does not hold its large messages, and they cannot be recomputed: there is no family 'mine'\n"
+        "  only what it holds is shown; 'graphnav replay' tells more\n"
     )
 
 
@@ -173,7 +173,10 @@ def test_a_plugin_that_was_changed_does_not_run(run: Run, capsys: Capture, tmp_p
     run("--plugin", "mine.py", "--set", "steer=mine.ahead")
     Path("run/plugins/mine.py").write_text("raise SystemExit('it ran')\n")
     assert main(["spy", "run", "--once"]) == 0
-    assert "cannot be made again: its plugins are Python code that is not trusted (mine.py)" in capsys.readouterr().err
+    assert (
+        "they cannot be recomputed: its plugins are Python code that is not trusted (mine.py)"
+        in capsys.readouterr().err
+    )
 
 
 def test_what_does_not_come_out_as_recorded_is_not_shown(run: Run, capsys: Capture) -> None:
@@ -184,7 +187,9 @@ def test_what_does_not_come_out_as_recorded_is_not_shown(run: Run, capsys: Captu
         for channel, utime, data in events:
             log.write(channel, utime, data[:-1] + b"!" if channel == "control.twist" else data)
     assert main(["spy", "run", "--once"]) == 0
-    assert "cannot be made again: a replay does not come out equal here, on control.twist" in capsys.readouterr().err
+    assert (
+        "they cannot be recomputed: a replay does not come out equal here, on control.twist" in capsys.readouterr().err
+    )
     assert not cached()
 
 
@@ -198,16 +203,18 @@ def test_a_full_cache_is_named_and_what_to_do(run: Run, capsys: Capture, monkeyp
     assert main(["spy", "run", "--once"]) == 0
     assert capsys.readouterr().err.endswith(
         f"cannot write into {Path('cache/graphnav/logs').resolve()}: No space left on device\n"
-        "  what it holds is shown; free space there, or name another cache folder by XDG_CACHE_HOME\n"
+        "  only what it holds is shown; free space there, or name another cache folder by XDG_CACHE_HOME\n"
     )
     assert not cached()
 
 
 def test_info_tells_it(run: Run, capsys: Capture) -> None:
     run()
-    hint = "make the rest again: graphnav replay run -o full.lcmlog"
+    hint = "write the complete log: graphnav replay run -o full.lcmlog"
     assert main(["info", "run"]) == 0
-    assert f"it leaves out large messages that a replay makes again; {hint}" in capsys.readouterr().out.splitlines()
+    assert (
+        f"its large messages are not recorded, a replay recomputes them; {hint}" in capsys.readouterr().out.splitlines()
+    )
     assert main(["info", "run", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["completion_hint"] == hint
 

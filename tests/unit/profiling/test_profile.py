@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -134,6 +135,16 @@ def test_the_tables_show_every_stage_channel_and_part(profile_text: ProfileText)
     order = ["count", "plus", "join", "count.twist", "plus.twist", "join.twist", "steps", "runner", "tick"]
     assert [word for word in firsts if word in order] == order
     assert "tap" not in firsts
+
+
+def test_a_profile_that_was_faster_with_its_instruments_says_that_this_is_noise(profile_text: ProfileText) -> None:
+    profile, _ = profile_text()
+    for with_ms, is_noise in ((0.9, True), (1.1, False)):
+        found = replace(profile.instruments, timed_p50_ms=with_ms, bare_p50_ms=1.0)
+        (line,) = [line for line in lines_of(replace(profile, instruments=found)) if line.startswith("instruments: ")]
+        told = f"; median tick {with_ms:.3f} ms with, 1.000 ms without them"
+        noise = ": the difference is noise, since instruments do not speed up a tick"
+        assert line.partition(";")[2] == told[1:] + noise * is_noise
 
 
 def test_the_slowest_rows_come_first_if_asked(profile_text: ProfileText) -> None:

@@ -169,7 +169,7 @@ def test_outputs_of_stages_are_played_from_a_full_log(record: Record, again: Aga
     assert str(caught.value) == (
         f"{log} is missing messages that fast read:\n"
         "  large.image: all but 1, the first after 0.00 s\n"
-        f"  make the rest again: graphnav replay {log.parent} -o full.lcmlog, and replay that"
+        f"  write the complete log: graphnav replay {log.parent} -o full.lcmlog, and replay that"
     )
     assert again(log, play=["mean"]).is_equal
 
@@ -178,9 +178,9 @@ def test_a_log_says_how_to_make_the_rest_again(record: Record) -> None:
     log = record(LOOP, REPLAYABLE)
     other = log.rename(log.parent / "other.lcmlog")
     with Recording(other) as recording:
-        assert recording.completion_hint == f"make the rest again: graphnav replay {other} -o full.lcmlog"
+        assert recording.completion_hint == f"write the complete log: graphnav replay {other} -o full.lcmlog"
     with Recording(other.rename(log)) as recording:
-        assert recording.completion_hint == f"make the rest again: graphnav replay {log.parent} -o full.lcmlog"
+        assert recording.completion_hint == f"write the complete log: graphnav replay {log.parent} -o full.lcmlog"
     for option in ("all", "small"):
         with Recording(record(LOOP, f"run.record={option}", name=option)) as recording:
             assert recording.completion_hint == ""
