@@ -36,13 +36,17 @@ _MIN_SUPPORT = 0.5
 
 
 class _Frame(NamedTuple):
-    """The motion of a frame by odometry and by the picture: ways in heights of the camera, turns in radians."""
+    """The motion of a frame by odometry and by the picture: ways in heights of the camera, turns in radians.
+
+    ``is_jump``: the measured turn is too fast to be one. Many of these are another unit, a single one is a new heading.
+    """
 
     utime: int
     interval_us: int
     measured: Doubles
     shown: Doubles
     has_moved: bool
+    is_jump: bool
 
 
 class _Finding(NamedTuple):
@@ -71,7 +75,7 @@ class PictureCheck:
     def check(self, utime: int, flow: Flow, moved: Pose | None, jump: Jump | None) -> OdometryCheck:
         """Return what is known after another frame; ``moved`` by odometry, None if that is unknown."""
         if moved is not None and (jump is None or jump.is_turn):
-            self._add(utime, flow, moved)
+            self._add(utime, flow, moved, is_jump=jump is not None)
         finding = self._contradiction(utime)
         if finding is not None:
             self._frames.clear()  # what was judged is not evidence again
@@ -90,14 +94,14 @@ class PictureCheck:
         self._agrees |= self._is_agreed(utime)
         return OdometryCheck(fault="", value=0.0, limit=0.0, agrees=self._agrees)
 
-    def _add(self, utime: int, flow: Flow, moved: Pose) -> None:
+    def _add(self, utime: int, flow: Flow, moved: Pose, *, is_jump: bool) -> None:
         shown = self._shown(flow)
         while self._frames and not 0 <= utime - self._frames[0].utime < WINDOWS_US[-1]:
             self._frames.popleft()
         if shown is not None:
             midway = moved.x_m * math.cos(moved.yaw_rad / 2) + moved.y_m * math.sin(moved.yaw_rad / 2)
             measured = np.array([midway / self._mount.height_m, moved.yaw_rad])
-            self._frames.append(_Frame(utime, flow.interval_us, measured, *shown))
+            self._frames.append(_Frame(utime, flow.interval_us, measured, *shown, is_jump))
 
     def _shown(self, flow: Flow) -> tuple[Doubles, bool] | None:
         """Return the way and the turn that the picture shows and whether it moves; None if it does not show them."""
@@ -172,7 +176,11 @@ def _compared(frames: Sequence[_Frame], axis: int) -> _Finding | None:
     ]
     if len(scaled) >= _MIN_SCALED_FRAMES and abs(measured) > SCALE_RATIO * max(abs(shown), floor):
         return _Finding("scale", abs(measured) / max(abs(shown), floor), SCALE_RATIO, axis)
-    both = _sums(frames)[1]
+    steady = [frame for frame in frames if not frame.is_jump]
+    if len(steady) < MIN_FRAMES:
+        return None
+    told, both = _sums(steady)
+    measured, shown = float(told[axis]), float(both[axis])
     if abs(shown) >= _min_shown(both, axis) and abs(measured) < MOTIONLESS_RATIO * abs(shown):
         return _Finding("motionless", measured / shown, MOTIONLESS_RATIO, axis)
     # Both have to be large, and against each other: a smaller share of the other motion is enough.

@@ -126,6 +126,18 @@ def test_a_jump_is_told_in_metres_for_a_second_and_then_forgotten() -> None:
     assert found[-1].check.agrees
 
 
+@pytest.mark.parametrize("omega_radps", [0.4, -0.4])
+@pytest.mark.parametrize("new_rad", [2.0, -2.0, 0.6])
+def test_a_new_heading_while_the_robot_turns_is_a_jump_and_forgotten(omega_radps: float, new_rad: float) -> None:
+    way = Way(omega_radps=omega_radps)
+    at = way.pose(1_500_000)
+    turned = Pose(at.x_m, at.y_m, at.yaw_rad + new_rad)
+    found = drive(lambda us, pose: turned.then(pose.seen_from(at)) if us > 1_500_000 else pose, way=way)
+    assert faults(found) == {"turn_jump"}
+    assert sum(bool(one.check.fault) for one in found) == 10
+    assert found[30].check.agrees
+
+
 HONEST_ODOMETRY: dict[str, Told] = {
     "exact": HONEST,
     "2 % of scale": lambda us, pose: Pose(1.02 * pose.x_m, 1.02 * pose.y_m, pose.yaw_rad),
