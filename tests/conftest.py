@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 import resource
 import shutil
 import signal
 import tempfile
+import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
@@ -18,7 +21,13 @@ from graphnav.errors import BusError
 
 _FIRST_PORT, _N_PORTS = 10_000, 20_000
 """Linux hands datagrams of all groups to every listener on a port, so each process of the tests has its own port."""
+_LATEST_S = pytest.StashKey[float]()
 _URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % _N_PORTS}?ttl=0"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Declare what ``tools/check.py quick`` limits the time with."""
+    parser.addoption("--within-s", type=float, help="skip tests that would begin later, counted from the first")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -38,6 +47,37 @@ def pytest_configure(config: pytest.Config) -> None:
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Start modules with tests that take long first, as many a worker: worksteal cuts the list into equal parts."""
+    modules: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        modules.setdefault(item.nodeid.partition("::")[0], []).append(item)
+    is_long = {name: any(item.get_closest_marker("long") for item in of) for name, of in modules.items()}
+    n_workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    first = [name for name in modules if is_long[name]]
+    others = deque(name for name in modules if not is_long[name])
+    ordered: list[pytest.Item] = []
+    for worker in range(n_workers):
+        for name in first[worker::n_workers]:
+            ordered += modules[name]
+        while others and (worker == n_workers - 1 or len(ordered) * n_workers < len(items) * (worker + 1)):
+            ordered += modules[others.popleft()]
+    items[:] = ordered
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Remember when tests are no longer to begin."""
+    within_s = session.config.getoption("--within-s")
+    session.config.stash[_LATEST_S] = math.inf if within_s is None else time.monotonic() + within_s
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip what would begin too late."""
+    if time.monotonic() > item.config.stash[_LATEST_S]:
+        pytest.skip("not begun in time; python tools/check.py tests runs all")
 
 
 def pytest_unconfigure() -> None:

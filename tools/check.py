@@ -1,19 +1,22 @@
-"""Run all checks of CI in order: format, lint, types, architecture, docs, tests."""
+"""Run all checks of CI in order: format, lint, types, architecture, docs, tests; or ``quick``, those of a change."""
 
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import sysconfig
 import time
-from pathlib import Path
+from collections.abc import Iterable
+from pathlib import Path, PurePath
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 CHECKED = ["graphnav", "plugins", "tests", "tools", "docs/conf.py"]
 WORKERS = 2 * (os.cpu_count() or 1)
 """Processes of the tests: live ones mostly wait for what others send, so that two share a core."""
+TESTS = [sys.executable, "-m", "pytest", "-q", "-n", str(WORKERS)]
 
 STEPS: dict[str, list[str]] = {
     "format": [sys.executable, "-m", "ruff", "format", "--check", "--quiet", *CHECKED],
@@ -32,21 +35,108 @@ STEPS: dict[str, list[str]] = {
         "docs",
         "build/docs",
     ],
-    "tests": [sys.executable, "-m", "pytest", "-q", "-n", str(WORKERS), "--dist", "worksteal"],
+    "tests": [*TESTS, "--dist", "worksteal"],
 }
+QUICK = ["format", "lint", "types", "architecture", "changed"]
+"""The steps of ``quick``; types take no time where mypy has its cache."""
+WITHIN_S = 30
+"""How long ``changed`` goes on starting tests."""
+NO_TESTS = 5
+"""Status of pytest where all tests take long."""
+
+CORE = [f"tests/unit/{name}" for name in ("spec", "graph", "catalog", "stage", "messages", "codec", "record", "runner")]
+"""Tests that ``changed`` runs where no test belongs to what has changed."""
+OF_DATA = {
+    "docs": ["tests/test_words.py"],
+    "graphs": ["tests/contract", "tests/closed_loop/test_suite.py"],
+    "lcmtypes": ["tests/lcm/test_types.py", "tests/unit/codec"],
+}
+"""Tests of files that are not Python, by folder."""
+
+
+def changed_files(root: Path) -> list[str]:
+    """Return the files that differ from where this branch left ``main``, those included that are not in Git yet."""
+
+    def git(*words: str) -> list[str]:
+        done = subprocess.run(["git", *words], cwd=root, capture_output=True, text=True, check=False)
+        return done.stdout.splitlines()
+
+    bases = (git("merge-base", "HEAD", branch) for branch in ("main", "origin/main"))
+    base = next((found[0] for found in bases if found), "HEAD")
+    return [*git("diff", "--name-only", base), *git("ls-files", "--others", "--exclude-standard")]
+
+
+def tests_of(changed: Iterable[str], root: Path) -> list[str]:
+    """Return the tests of files that have changed, the nearest first; those of the core if there are none.
+
+    Nearest are tests that have changed, then those in the folder of the same name, then those that import the changed
+    module, then those that import its package.
+    """
+    texts = {str(path.relative_to(root)): path.read_text() for path in sorted(root.glob("tests/**/test_*.py"))}
+    ranks: list[set[str]] = [set(), set(), set(), set()]
+    for path in map(PurePath, changed):
+        if str(path) in texts:
+            ranks[0].add(str(path))
+        elif path.suffix != ".py":
+            ranks[1].update(OF_DATA.get(path.parts[0], ()))
+        else:
+            mirror, module = _mirror(path, root), _module(path)
+            ranks[1].update(test for test in texts if mirror in map(str, PurePath(test).parents))
+            package = module.rpartition(".")[0]
+            for rank, name in ((2, module), (3, package if "." in package else module)):
+                importing = re.compile(rf"^\s*(from|import) {re.escape(name)}\s", re.MULTILINE)
+                ranks[rank].update(test for test, text in texts.items() if importing.search(text))
+    return list(dict.fromkeys(test for rank in ranks for test in sorted(rank))) or CORE
+
+
+def _mirror(path: PurePath, root: Path) -> str:
+    """Return the folder of a module's tests: of ``graphnav/a/b/c.py`` ``tests/unit/a/b``, or else ``tests/unit/a``.
+
+    Of a helper among the tests it is its own folder. An empty string where there is none.
+    """
+    first, *inner = path.parent.parts or ("",)
+    if first == "plugins" and inner:
+        first, inner = f"plugins/{inner[0].removeprefix('graphnav_')}", inner[1:]
+    elif first == "graphnav" and inner:
+        first, inner = ("unit/" if (root / "tests" / "unit" / inner[0]).is_dir() else "") + inner[0], inner[1:]
+    elif first == "tests":
+        return str(path.parent) if inner else ""
+    while inner and not (root / "tests" / first / "/".join(inner)).is_dir():
+        inner.pop()
+    folder = PurePath("tests", first, *inner)
+    return str(folder) if (root / folder).is_dir() and len(folder.parts) > 1 else ""
+
+
+def _module(path: PurePath) -> str:
+    """Return the name by which tests import a file."""
+    parts = path.parts[1:] if path.parts[0] in ("plugins", "lcmtypes", "graphs", "tools") else path.parts
+    return ".".join(parts).removesuffix(".py").removesuffix(".__init__")
+
+
+def command_of(step: str) -> list[str]:
+    """Return the command of a step; ``changed`` leaves out tests that take long, and what would begin too late."""
+    if step != "changed":
+        return STEPS[step]
+    tests = tests_of(changed_files(ROOT), ROOT)
+    print(f"tests of what has changed since main: {len(tests)} files and folders", flush=True)
+    options = ["-p", "no:randomly", "--dist", "load", "-m", "not long", "--within-s", str(WITHIN_S), "-rs"]
+    return [*TESTS, *options, *tests]
 
 
 def main() -> int:
-    """Run the steps named on the command line, else all; return 1 if one failed."""
-    wanted = sys.argv[1:] or list(STEPS)
-    if unknown := [name for name in wanted if name not in STEPS]:
-        print(f"no step {', '.join(unknown)}: steps are {', '.join(STEPS)}", file=sys.stderr)
+    """Run the steps named on the command line, else all of CI; return 1 if one failed."""
+    wanted = [step for name in sys.argv[1:] for step in (QUICK if name == "quick" else [name])] or list(STEPS)
+    if unknown := [name for name in wanted if name not in (*STEPS, "changed")]:
+        print(f"no step {', '.join(unknown)}: steps are {', '.join((*STEPS, 'changed', 'quick'))}", file=sys.stderr)
         return 2
+    # tests start some hundred processes: each would compile the package again
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     failed = []
     for name in wanted:
         print(f"== {name}", flush=True)
         begin = time.monotonic()
-        if subprocess.run(STEPS[name], cwd=ROOT, check=False).returncode:
+        status = subprocess.run(command_of(name), cwd=ROOT, env=environment, check=False).returncode
+        if status and not (name == "changed" and status == NO_TESTS):
             failed.append(name)
         print(f"== {name}: {'FAILED' if name in failed else 'ok'}, {time.monotonic() - begin:.0f} s", flush=True)
     print(f"failed: {', '.join(failed)}" if failed else "all ok")

@@ -1,0 +1,115 @@
+"""``tools/check.py quick`` runs the tests of what has changed, the nearest first, and begins none too late."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import check
+import pytest
+
+FILES = {
+    "graphnav/a/b/c.py": "",
+    "graphnav/solo.py": "",
+    "plugins/graphnav_world/maps/keys.py": "",
+    "tools/gen.py": "",
+    "tests/unit/a/b/test_near.py": "",
+    "tests/unit/a/test_above.py": "import graphnav.a.b.other\n",
+    "tests/lcm/test_user.py": "from graphnav.a.b.c import name\n",
+    "tests/lcm/test_of_package.py": "def test() -> None:\n    from graphnav.a.b import name\n",
+    "tests/lcm/helper.py": "",
+    "tests/plugins/world/test_maps.py": "",
+    "tests/unit/test_solo.py": "from graphnav.solo import name\n",
+    "tests/unit/test_all.py": "from graphnav import name\n",
+    "tests/test_gen.py": "import gen\n",
+}
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    """Return a tree of a few modules and their tests."""
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("changed", "tests"),
+    [
+        (["graphnav/a/b/c.py"], ["unit/a/b/test_near.py", "lcm/test_user.py", "lcm/test_of_package.py"]),
+        (["graphnav/a/b/deep/gone.py"], ["unit/a/b/test_near.py"]),
+        (["graphnav/a/new.py"], ["unit/a/b/test_near.py", "unit/a/test_above.py"]),
+        (["graphnav/solo.py"], ["unit/test_solo.py"]),
+        (["plugins/graphnav_world/maps/keys.py"], ["plugins/world/test_maps.py"]),
+        (["tools/gen.py"], ["test_gen.py"]),
+        (["tests/lcm/helper.py"], ["lcm/test_of_package.py", "lcm/test_user.py"]),
+        (["graphnav/a/b/c.py", "tests/test_gen.py"], ["test_gen.py", "unit/a/b/test_near.py", "lcm/test_user.py"]),
+        (["docs/index.md"], ["test_words.py"]),
+    ],
+)
+def test_the_nearest_tests_come_first(tree: Path, changed: list[str], tests: list[str]) -> None:
+    found = check.tests_of(changed, tree)
+    assert found[: len(tests)] == [f"tests/{name}" for name in tests]
+    assert len(changed) > 1 or len(found) == len(tests)
+
+
+@pytest.mark.parametrize("changed", [[], ["tests/conftest.py"], ["pyproject.toml"]])
+def test_what_belongs_to_no_folder_is_checked_by_the_core(tree: Path, changed: list[str]) -> None:
+    assert check.tests_of(changed, tree) == check.CORE
+    data = [test for tests in check.OF_DATA.values() for test in tests]
+    assert [test for test in (*check.CORE, *data) if not (check.ROOT / test).exists()] == []
+
+
+def test_changed_is_what_differs_from_where_the_branch_left_main(tree: Path) -> None:
+    def git(*words: str) -> None:
+        who = ("-c", "user.name=a", "-c", "user.email=a@b")
+        subprocess.run(["git", *who, *words], cwd=tree, check=True, capture_output=True)
+
+    git("init", "-q", "-b", "main")
+    git("add", ".")
+    git("commit", "-q", "-m", "all")
+    assert check.changed_files(tree) == []
+    git("checkout", "-q", "-b", "mine")
+    (tree / "tools/gen.py").write_text("committed = 1\n")
+    git("commit", "-q", "-a", "-m", "mine")
+    (tree / "graphnav/solo.py").write_text("changed = 1\n")
+    (tree / "graphnav/new.py").touch()
+    git("checkout", "-q", "main", "--", "tests")
+    assert check.changed_files(tree) == ["graphnav/solo.py", "tools/gen.py", "graphnav/new.py"]
+
+
+def test_an_unknown_step_is_refused_by_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["check.py", "quick", "test"])
+    assert check.main() == 2
+    assert capsys.readouterr().err == (
+        "no step test: steps are format, lint, types, architecture, docs, tests, changed, quick\n"
+    )
+
+
+def test_modules_that_take_long_come_first_and_what_is_late_does_not_begin() -> None:
+    files = ["tests/unit/test_shown_name.py", "tests/unit/machine/test_instruction_set.py"]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-v",
+        "-rs",
+        "-p",
+        "no:randomly",
+        "-p",
+        "no:xdist",
+        "--within-s",
+        "0",
+        *files,
+    ]
+    environment = {**os.environ, "PYTEST_XDIST_WORKER_COUNT": "2"}
+    done = subprocess.run(command, cwd=check.ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, "not begun in time" in done.stdout) == (0, True), done.stdout
+    lines = [line for line in done.stdout.splitlines() if "::" in line]
+    assert all("SKIPPED" in line for line in lines)
+    assert [line.startswith(files[1]) for line in (lines[0], lines[-1])] == [True, False]
