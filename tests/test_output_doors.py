@@ -68,12 +68,14 @@ def is_plain(call: ast.Call) -> bool:
     )
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(ROOT)))
-def test_nothing_writes_past_the_doors(file: Path) -> None:
-    name = file.relative_to(ROOT).as_posix()
-    if name not in DOORS:
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-        assert not list(bypasses(tree, in_command=name.startswith(COMMANDS)))
+def test_nothing_writes_past_the_doors() -> None:
+    names = {file.relative_to(ROOT).as_posix(): file for file in FILES}
+    found = [
+        f"{name}:{bypass}"
+        for name in names.keys() - DOORS.keys()
+        for bypass in bypasses(ast.parse(names[name].read_text()), in_command=name.startswith(COMMANDS))
+    ]
+    assert not found, "\n" + "\n".join(sorted(found))
 
 
 @pytest.mark.parametrize(
@@ -95,6 +97,5 @@ def test_a_bypass_is_found(code: str) -> None:
     assert list(bypasses(ast.parse(code), in_command=False))
 
 
-@pytest.mark.parametrize("name", DOORS)
-def test_doors_exist(name: str) -> None:
-    assert (ROOT / name).is_file()
+def test_doors_exist() -> None:
+    assert [name for name in DOORS if not (ROOT / name).is_file()] == []

@@ -14,6 +14,7 @@ Drive = Callable[..., tuple[Summary, Recording]]
 SMALL = "run.record=small"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("plane", ["ica", "affine", "truth"])
 @pytest.mark.parametrize(("graph", "seed"), [("corridor_ccw", 1000), ("corridor_cw", 1001)])
 def test_the_corridors_are_driven_to_the_goal(drive: Drive, graph: str, plane: str, seed: int) -> None:
@@ -22,6 +23,7 @@ def test_the_corridors_are_driven_to_the_goal(drive: Drive, graph: str, plane: s
     assert summary.scores["drive"]["success"] == 1.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("plane", "seed"), [("ica", 1000), ("truth", 1001)])
 def test_pillars_are_crossed_to_the_goal(drive: Drive, plane: str, seed: int) -> None:
     assert drive("pillars", seed, f"plane=plane.{plane}", SMALL)[0].outcome == "goal"
@@ -38,6 +40,7 @@ def test_driving_straight_ahead_fails(drive: Drive, graph: str, seed: int) -> No
     assert drive(graph, seed, "steer=steer.forward", SMALL)[0].outcome in {"contact", "timeout"}
 
 
+@pytest.mark.long
 def test_a_camera_of_640x480_drives_the_same_way(drive: Drive) -> None:
     large = [
         "robot.size=[640,480]", "flow=flow.dis", "flow.preset=fast", "planar.model=models/downward_640x480.lcmlog"

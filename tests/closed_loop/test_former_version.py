@@ -64,6 +64,7 @@ def test_the_report_of_a_study_has_the_names_of_today(former_study: Path, capsys
     assert [{name: row[name] for name in row.keys() - NEW_COLUMNS} for row in now] == then, "the same values"
 
 
+@pytest.mark.long
 def test_a_study_compares_with_one_of_today(
     former_study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -80,6 +80,7 @@ def graphnav_stages():
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("graph", ["corridor_ccw", "navigate"])
 def test_a_robot_whose_picture_freezes_stands_and_stays(graph: str, drive: Drive, tmp_path: Path) -> None:
     (tmp_path / "freezing.py").write_text(FREEZING)

@@ -27,6 +27,7 @@ def example(tmp_path_factory: pytest.TempPathFactory, group: str) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_the_commands_drive_the_wheels_and_stop_them(example: Path, group: str) -> None:
     shell(RUN, example, group)
     lines = (example / "wheels.txt").read_text().splitlines()[1:]
@@ -38,6 +39,7 @@ def test_the_commands_drive_the_wheels_and_stop_them(example: Path, group: str) 
     assert after[-1].endswith("no command"), "then nothing comes, and the driver's own timeout holds"
 
 
+@pytest.mark.long
 def test_the_driver_plays_a_video_at_its_rate(example: Path, group: str) -> None:
     (example / "make_video.py").write_text(
         "import cv2, glob\n"
@@ -63,6 +65,7 @@ def test_the_driver_plays_a_video_at_its_rate(example: Path, group: str) -> None
     assert camera["rejected"] == []
 
 
+@pytest.mark.long
 def test_a_camera_in_c_with_a_zeroed_struct_is_used(example: Path, group: str) -> None:
     graph = (example / "graph.yaml").read_text()
     (example / "in_c.yaml").write_text(graph.replace("bot_core.image_t", "graphnav_lcm.image_t"))

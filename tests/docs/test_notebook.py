@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 STUDY = 'study.table.loc["corridor_ccw"].round(3)'
 GENERATOR = Path(__file__).resolve().parents[2] / "tools" / "gen_notebook.py"
 NOTEBOOK = Path(__file__).resolve().parents[2] / "docs" / "notebook.ipynb"
@@ -41,6 +43,7 @@ def shown(outputs_of: dict[str, list[Mapping[str, Any]]], line: str) -> Mapping[
     return {kind: "".join(text) for out in outputs_of[line] for kind, text in out.get("data", {}).items()}
 
 
+@pytest.mark.long
 def test_it_runs_without_a_warning_and_shows_panels_metrics_tables_and_plots(tmp_path: Path) -> None:
     outputs_of = executed(tmp_path)
     kept = {"".join(cell["source"]).splitlines()[-1]: cell["outputs"] for cell in cells(NOTEBOOK)}

@@ -23,6 +23,7 @@ README = (ROOT / "README.md").read_text()
 BLOCKS = re.findall(r"^```sh\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.split("#")[0].strip().replace("/", "_")[:40])
 def test_the_commands_run(block: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     if "graphnav spy" in block:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from graphnav import Recording
 
 from .conftest import DOCS, blocks, shell
 
 
+@pytest.mark.long
 def test_the_navigation_drives_the_robot(tmp_path: Path, group: str) -> None:
     shell("\n".join(blocks(DOCS / "examples" / "robot" / "README.md", "sh")), tmp_path, group)
     live = json.loads((tmp_path / "navigation" / "summary.json").read_text())["live"]

@@ -59,6 +59,7 @@ def mutated(rng: random.Random) -> tuple[str, bytes]:
     return name, bytes(data)
 
 
+@pytest.mark.long
 def test_every_message_is_counted_and_memory_stays_bounded() -> None:
     rng = random.Random(7)
     memory = Memory(Traffic(lambda: 0.0))
@@ -85,6 +86,7 @@ def packet(channel: bytes, data: bytes) -> bytes:
     return struct.pack(">II", SHORT_MAGIC, 1) + channel + b"\0" + data
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("look", [(80, 24), (200, 50)], ids=["80x24", "200x50"])
 def test_the_screen_lives_through_a_flood(group: str, look: tuple[int, int]) -> None:
     parts = urlsplit(group)

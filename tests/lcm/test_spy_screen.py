@@ -44,6 +44,7 @@ def test_a_log_fills_the_table(log: Path) -> None:
     drive(str(log), act)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("look", LOOKS)
 def test_every_channel_opens_in_every_size(log: Path, look: str) -> None:
     async def act(pilot: Pilot[None]) -> None:

@@ -199,6 +199,7 @@ def test_conditions_are_refused_by_their_name() -> None:
         decomposed_study(asked, CATALOG)
 
 
+@pytest.mark.long
 def test_runs_show_the_same_drive_and_what_each_oracle_adds(tmp_path: Path) -> None:
     made = graphnav.ablate(
         "corridor_ccw", decompose=True, seeds=[3], set={"run.until_s": 1.2}, folder=tmp_path, jobs=1, gallery=0

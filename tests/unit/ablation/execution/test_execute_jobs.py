@@ -97,6 +97,7 @@ def test_a_disk_that_refuses_ends_the_study_in_a_line_and_what_is_made_stays(
     assert before.items() <= study.runs.items()
 
 
+@pytest.mark.long
 def test_a_log_that_cannot_be_written_is_no_result(study: Any) -> None:
     long = {"vary": "robot.times=1000,1500"}
     process = study.start("--set", "run.until_s=1e6", max_kb=64, **long)
