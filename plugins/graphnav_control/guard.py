@@ -65,8 +65,8 @@ class Guard(Stage):
 
     Both hold the robot beyond the evidence, which is gone when it stands. After a second it retries once, slowly and
     ``retry_m`` at most, and drives on if the input now follows its motion. If not, it stands until the guard is armed
-    (by a ``stop`` message that is not engaged) or the picture changes, which allows another such retry, or until an
-    operator has driven it by ``override`` and the input has followed.
+    (by a ``stop`` message that is not engaged) or the picture changes, which allows another such retry, five in all, or
+    until an operator has driven it by ``override`` and the input has followed.
 
     A fresh ``override`` (teleoperation) replaces the command and is exempt from these rules; their causes are still
     published. When it is older than ``override_max_age_s``, it has ended, and the command drives again. One that comes

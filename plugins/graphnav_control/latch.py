@@ -8,6 +8,8 @@ RETRY_AFTER_US = 1_000_000
 """Time that the robot stands before it retries by itself."""
 RETRY_S = 1.0
 """Shortest time of a retry: its speed is the distance by this."""
+MAX_RETRIES = 5
+"""Maximum number of retries in vain: a slow heartbeat that arms, or a picture that flickers, must not drive a robot."""
 
 
 class _State(Enum):
@@ -23,15 +25,15 @@ class Latch:
     something. Here it stands for a second after the fault, then retries by itself, once: at most ``retry_m``, slowly.
     If the input follows the motion meanwhile, it is trusted again, and all is as before the fault. If not, the robot
     stands for good, it is latched. A further retry, again of at most ``retry_m``, takes something new: a person who
-    arms the guard, or a picture that changed. Where an operator drives, the input is trusted again only if it
-    followed.
+    arms the guard, or a picture that changed; after 5 in vain there are no more. Where an operator drives, the input is
+    trusted again only if it followed.
     """
 
     def __init__(self, retry_m: float) -> None:
         self._retry_m = retry_m
         self._left_m = 0.0
         self._state = _State.FREE
-        self._has_retried = False
+        self._n_retries = 0
         self._since = 0
 
     @property
@@ -47,7 +49,7 @@ class Latch:
     @property
     def is_latched(self) -> bool:
         """Whether the robot stands until something new comes."""
-        return self._state is _State.STANDING and self._has_retried
+        return self._state is _State.STANDING and self._n_retries > 0
 
     @property
     def speed_mps(self) -> float:
@@ -62,7 +64,7 @@ class Latch:
         """
         before = self._state
         if is_proven:
-            self._state, self._has_retried = _State.FREE, False
+            self._state, self._n_retries = _State.FREE, 0
         elif self._state is _State.RETRYING:
             self._left_m -= retried_m
             if is_faulty or self._left_m <= retried_m:
@@ -71,6 +73,7 @@ class Latch:
             self._state, self._since = _State.STANDING, utime
         elif self._state is _State.STANDING:
             waited = utime - self._since >= RETRY_AFTER_US
-            if is_new or (waited and not self._has_retried):
-                self._state, self._has_retried, self._left_m = _State.RETRYING, True, self._retry_m
+            if self._n_retries < MAX_RETRIES and (is_new or (waited and not self._n_retries)):
+                self._state, self._left_m = _State.RETRYING, self._retry_m
+                self._n_retries += 1
         return self._state is not before

@@ -227,6 +227,21 @@ def test_a_heartbeat_of_messages_that_arm_is_one_order(robot: Robot) -> None:
     assert robot.way_m <= 0.3 * 0.5 + 0.1
 
 
+def test_messages_that_arm_again_and_again_and_a_flickering_picture_drive_it_half_a_metre_at_most(robot: Robot) -> None:
+    robot.run(2.0)
+    robot.is_frozen = True
+    robot.run(0.6)
+    robot.way_m = 0.0
+    for _ in range(20):
+        robot.press(engaged=False)
+        robot.run(2.0)
+        robot.run(0.1, shown=Twist(v_mps=0.1, omega_radps=0.0))
+    assert robot.way_m <= 0.5 + 1e-9
+    robot.is_frozen = False
+    robot.run(0.5, override=AHEAD)
+    assert robot.run(0.1)[-1].state.causes == ()
+
+
 def test_a_picture_that_moves_again_is_trusted_after_two_flows(robot: Robot) -> None:
     robot.run(2.0)
     robot.is_frozen = True
