@@ -191,3 +191,16 @@ def test_the_question_mark_shows_the_keys_of_the_screen(log: Path, size: tuple[i
         await until(pilot, lambda: isinstance(pilot.app.screen, ChannelsScreen))
 
     drive(str(log), act, size)
+
+
+def test_at_40_columns_no_number_of_the_heading_is_cut_without_a_mark(log: Path) -> None:
+    async def act(pilot: Pilot[None]) -> None:
+        await until(pilot, lambda: line_of(pilot, "robot.state"))
+        heading = screen_text(pilot).splitlines()[0]
+        whole = pilot.app._session.heading().plain  # type: ignore[attr-defined]
+        assert len(whole) > 40
+        assert heading.endswith("…")
+        assert whole.startswith(heading[:-1])
+        assert "Hz" in line_of(pilot, "robot.state")
+
+    drive(str(log), act, (40, 20))
