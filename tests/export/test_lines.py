@@ -47,6 +47,8 @@ def test_the_guard_is_told_when_it_changes() -> None:
         (1, Level.WARNING, "guard forbids motion: stale plane"),
         (3, Level.INFO, "guard allows all motion"),
     ]
+    retry = guard(("frozen", "flow"), may_move=True)
+    assert told(retry) == [(0, Level.WARNING, "guard retries slowly: frozen flow")]
     assert told(guard(("stop", ""), may_move=True, overridden=True)) == [(0, Level.INFO, "guard is overridden: stop")]
 
 

@@ -197,10 +197,10 @@ def test_at_40_columns_no_number_of_the_heading_is_cut_without_a_mark(log: Path)
     async def act(pilot: Pilot[None]) -> None:
         await until(pilot, lambda: line_of(pilot, "robot.state"))
         heading = screen_text(pilot).splitlines()[0]
-        whole = pilot.app._session.heading().plain  # type: ignore[attr-defined]
-        assert len(whole) > 40
+        complete = pilot.app._session.heading().plain  # type: ignore[attr-defined]
+        assert len(complete) > 40
         assert heading.endswith("…")
-        assert whole.startswith(heading[:-1])
+        assert complete.startswith(heading[:-1])
         assert "Hz" in line_of(pilot, "robot.state")
 
     drive(str(log), act, (40, 20))

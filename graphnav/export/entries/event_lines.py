@@ -40,8 +40,10 @@ class Lines:
             yield Line(utime, level, f"{text}: {message.reason}" if message.reason else text, channel)
         elif isinstance(message, GuardState):
             now = (message.may_move, message.may_advance, message.overridden, message.causes, message.ports)
+            is_free = message.may_move and not message.is_retrying
+            level = Level.INFO if is_free else Level.WARNING
             if self._is_new(channel, "guard", now=now, before=(True, True, False, (), ())):
-                yield Line(utime, Level.INFO if message.may_move else Level.WARNING, _guard_text(message), channel)
+                yield Line(utime, level, _guard_text(message), channel)
 
     def _is_new(self, channel: str, what: str, *, now: Any, before: Any) -> bool:
         """Whether a value differs from the previous one, initially ``before``."""
@@ -80,6 +82,8 @@ def _guard_text(state: GuardState) -> str:
     what = "allows all motion" if state.may_advance else "forbids forward motion"
     if not state.may_move:
         what = "forbids motion"
+    if state.is_retrying:
+        what = "retries slowly"
     if state.overridden:
         what = "is overridden"
     causes = [f"{cause} {port}".strip() for cause, port in zip(state.causes, state.ports, strict=False)]

@@ -86,6 +86,7 @@ function guardNotice(guard) {
   const may = !guard.may_move ? "may not move" : guard.may_advance ? "may move" : "may turn, not advance";
   const causes = guard.causes.map(({ cause, port }) => `${cause} ${port}`);
   const fault = guard.motor_fault ? `but ${guard.motor_fault}` : "";
-  const more = [fault, guard.overridden ? "override active" : "", guard.stopped ? "stopped until armed again" : "", ...causes];
-  return [`${guard.channel}: ${[may, ...more.filter(Boolean)].join(", ")}`, !guard.may_advance || fault !== ""];
+  const retries = guard.retrying ? "retries slowly" : "";
+  const more = [fault, retries, guard.overridden ? "override active" : "", guard.stopped ? "stopped until armed again" : "", ...causes];
+  return [`${guard.channel}: ${[may, ...more.filter(Boolean)].join(", ")}`, !guard.may_advance || guard.retrying || fault !== ""];
 }
