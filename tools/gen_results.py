@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from result_pages.claims import claims, unchecked
+from result_pages.claims import claims, listed_claims, unchecked
 from result_pages.shipped_results import RESULTS, ShippedResults
 from result_pages.tables import with_tables
 
@@ -23,8 +23,10 @@ from graphnav.errors import UserError
 PAGE = RESULTS / "README.md"
 """Every statement of it that gives a number or compares has a check."""
 _ROOT = RESULTS.parents[1]
-ALSO_CLAIM = (_ROOT / "README.md", _ROOT / "docs" / "explanation" / "limits.md")
+ALSO_CLAIM = (_ROOT / "docs" / "explanation" / "limits.md",)
 """Pages of which the statements with a check are checked, too."""
+FRONT_PAGE, FRONT_PAGE_CLAIMS = _ROOT / "README.md", RESULTS / "front_page.yaml"
+"""A page without comments, and the list of what it says."""
 FILES = ("results.csv", "metrics.csv", "table.md")
 """Files of a study's folder that ship."""
 PICTURE = "decompose.png"
@@ -43,6 +45,9 @@ def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
     for one in (page, *(ALSO_CLAIM if page == PAGE else ())):
         for claim in claims(one.read_text(encoding="utf-8")):
             yield from (f"{one.name}, {problem}" for problem in claim.problems(read(claim.study)))
+    if page == PAGE:
+        for claim in listed_claims(FRONT_PAGE_CLAIMS.read_text("utf-8"), FRONT_PAGE.read_text("utf-8")):
+            yield from (f"{FRONT_PAGE_CLAIMS.name}, {problem}" for problem in claim.problems(read(claim.study)))
     if with_tables(text, read) != text:
         yield "the tables are not fresh; run python tools/gen_results.py"
 

@@ -58,11 +58,6 @@ def shortened(script: str) -> str:
     return "\n".join(lines)
 
 
-def patient(script: str) -> str:
-    """Return a script that goes on behind a program in the background once that has said its first word."""
-    return re.sub(r"( > (\S+) &)$", r"\1\nuntil test -s \2; do sleep 0.05; done", script, flags=re.MULTILINE)
-
-
 def shell(script: str, folder: Path, url: str, timeout_s: float = 300) -> str:
     """Run a script in ``folder``, with LCM on ``url``; return what it printed. A command that fails fails the test.
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from gen_results import PAGE as PAGE_OF_RESULTS
 from gen_results import problems
-from result_pages.claims import Claim, claims, unchecked
+from result_pages.claims import Claim, claims, listed_claims, unchecked
 from result_pages.expression import evaluate
 from result_pages.shipped_results import ShippedResults
 from result_pages.tables import with_tables
@@ -124,6 +124,30 @@ def test_a_claim_that_does_not_hold_is_named_with_its_value(results: ShippedResu
 def test_a_number_that_nothing_checks_is_named(results: ShippedResults) -> None:
     [claim] = claims(PAGE.replace("0.5 degrees", "0.6 degrees"))
     assert list(claim.problems(results)) == ["line 5: the number 0.6 is not in the check"]
+
+
+LISTED = """
+- says: "| dim | 8 of 10 |"
+  holds:
+    small:
+      - arrive("bend", "ica") == 8 and worlds("bend", "ica") == 10
+- says: The blind one arrives in 1.
+  holds:
+    small:
+      - arrive("bend", "blind") == 1
+"""
+
+
+def test_a_list_checks_a_page_without_comments(results: ShippedResults) -> None:
+    page = "| world | ica |\n|---|---|\n| dim | 8 of 10 |\n\nThe blind one\narrives in 1.\n"
+    row, sentence = listed_claims(LISTED, page)
+    assert list(row.problems(results)) == []
+    [problem] = sentence.problems(results)
+    assert problem == 'line 6: not true: arrive("bend", "blind") == 1 (left side: 0)'
+    with pytest.raises(UserError, match=r"does not say: \| dim \| 8 of 10"):
+        list(listed_claims(LISTED, page.replace("8 of", "9 of")))
+    with pytest.raises(UserError, match=r"nothing checks the row: \| dark \| 3"):
+        list(listed_claims(LISTED, page + "\n| dark | 3 |\n"))
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,9 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import yaml  # noqa: TID251  # a list of this repository
+
+from graphnav.errors import UserError
 from result_pages.expression import evaluate, left_side, without_digits
 from result_pages.shipped_results import ShippedResults
 
@@ -72,6 +75,28 @@ def claims(markdown: str) -> Iterator[Claim]:
                 tuple(part for part in parts if part and not _GIVEN.match(part)),
                 " ".join(part for part in parts if _GIVEN.match(part)),
             )
+
+
+def listed_claims(listed: str, markdown: str) -> Iterator[Claim]:
+    """Yield the statements that a YAML list checks for a page without comments, one for each study that bears one out.
+
+    Raises `UserError` for a statement that the page does not make, and for a row of a table with numbers that the list
+    leaves out.
+    """
+    said = " ".join(markdown.split())
+    entries = yaml.safe_load(listed)
+    for entry in entries:
+        text = " ".join(entry["says"].split())
+        if text not in said:
+            raise UserError.of(f"the page does not say: {text}")
+        numbers = " ".join(without_digits(one) for some in entry["holds"].values() for one in some)
+        given = f"{entry.get('given', '')} {numbers}"
+        for study, expressions in entry["holds"].items():
+            yield Claim(1 + markdown[: markdown.find(text[:20])].count("\n"), text, study, tuple(expressions), given)
+    rows = {" ".join(entry["says"].split()) for entry in entries}
+    for row in re.findall(r"^\|.*\|$", markdown, re.MULTILINE):
+        if _NUMBER.search(_NOT_PROSE.sub(" ", row)) and " ".join(row.split()) not in rows:
+            raise UserError.of(f"nothing checks the row: {row}")
 
 
 def unchecked(markdown: str) -> Iterator[str]:
