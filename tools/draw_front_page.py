@@ -45,7 +45,8 @@ def draw(run: Path, target: Path) -> None:
         assert first is not None
         assert world is not None
         assert track is not None
-        stretch = Stretch(*first.pixels.shape[:2], _ROWS, _COLS)
+        rows, cols = first.pixels.shape[:2]
+        stretch = Stretch(rows, cols, _ROWS, _COLS)
         view = TopView(world, track.pose[:, :2], track.moving, _COLS, _ROWS)
         path: list[tuple[float, float]] = []
         for number, (_, (image, plane, local, steering, state)) in enumerate(signals.joined(*_KINDS)):
