@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -113,3 +114,14 @@ def test_modules_that_take_long_come_first_and_what_is_late_does_not_begin() -> 
     lines = [line for line in done.stdout.splitlines() if "::" in line]
     assert all("SKIPPED" in line for line in lines)
     assert [line.startswith(files[1]) for line in (lines[0], lines[-1])] == [True, False]
+
+
+def test_what_a_step_prints_stays_together_and_a_failure_is_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    steps = {"docs": "print('fine')", "types": "import sys; print('bad', file=sys.stderr); sys.exit(3)"}
+    monkeypatch.setattr(check, "STEPS", {name: [sys.executable, "-c", code] for name, code in steps.items()})
+    monkeypatch.setattr(sys, "argv", ["check.py"])
+    assert check.main() == 1
+    printed = re.sub(r"\d+ s", "0 s", capsys.readouterr().out)
+    assert printed == ("== docs\nfine\n== docs: ok, 0 s\n== types\nbad\n== types: FAILED, 0 s\nfailed: types\n")

@@ -9,6 +9,7 @@ import sys
 import sysconfig
 import time
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path, PurePath
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -37,6 +38,7 @@ STEPS: dict[str, list[str]] = {
     ],
     "tests": [*TESTS, "--dist", "worksteal"],
 }
+TESTING = ("tests", "changed")
 QUICK = ["format", "lint", "types", "architecture", "changed"]
 """The steps of ``quick``; types take no time where mypy has its cache."""
 WITHIN_S = 30
@@ -123,22 +125,38 @@ def command_of(step: str) -> list[str]:
     return [*TESTS, *options, *tests]
 
 
+def _run(step: str, *, is_shown: bool) -> tuple[bool, str]:
+    """Run a step; return whether it failed, and what it printed unless that ``is_shown`` meanwhile."""
+    # tests start some hundred processes: each would compile the package again
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    begin = time.monotonic()
+    where = None if is_shown else subprocess.PIPE
+    errors = None if is_shown else subprocess.STDOUT
+    done = subprocess.run(
+        command_of(step), cwd=ROOT, env=environment, stdout=where, stderr=errors, text=True, check=False
+    )
+    has_failed = done.returncode != 0 and not (step == "changed" and done.returncode == NO_TESTS)
+    verdict = f"== {step}: {'FAILED' if has_failed else 'ok'}, {time.monotonic() - begin:.0f} s\n"
+    return has_failed, (done.stdout or "") + verdict
+
+
 def main() -> int:
-    """Run the steps named on the command line, else all of CI; return 1 if one failed."""
+    """Run the steps named on the command line, else all of CI; return 1 if one failed.
+
+    Steps without tests use one core each, so that several run at once; the tests use all.
+    """
     wanted = [step for name in sys.argv[1:] for step in (QUICK if name == "quick" else [name])] or list(STEPS)
     if unknown := [name for name in wanted if name not in (*STEPS, "changed")]:
         print(f"no step {', '.join(unknown)}: steps are {', '.join((*STEPS, 'changed', 'quick'))}", file=sys.stderr)
         return 2
-    # tests start some hundred processes: each would compile the package again
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     failed = []
-    for name in wanted:
-        print(f"== {name}", flush=True)
-        begin = time.monotonic()
-        status = subprocess.run(command_of(name), cwd=ROOT, env=environment, check=False).returncode
-        if status and not (name == "changed" and status == NO_TESTS):
-            failed.append(name)
-        print(f"== {name}: {'FAILED' if name in failed else 'ok'}, {time.monotonic() - begin:.0f} s", flush=True)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        begun = {step: pool.submit(_run, step, is_shown=False) for step in wanted if step not in TESTING}
+        for step in sorted(wanted, key=TESTING.__contains__):
+            print(f"== {step}", flush=True)
+            has_failed, printed = begun[step].result() if step in begun else _run(step, is_shown=True)
+            print(printed, end="", flush=True)
+            failed += [step] if has_failed else []
     print(f"failed: {', '.join(failed)}" if failed else "all ok")
     return 1 if failed else 0
 
