@@ -19,6 +19,8 @@ ROWS, COLS, STEP_PX = 30, 40, 4
 FOCAL_PX = 80 / math.tan(math.radians(35))
 TILT_RAD = math.radians(75)
 INTERVAL_US = 100_000
+FRAMES = 200
+"""Frames of a drive; models of components, which take a while, are published after the last one only."""
 
 
 class Floor:
@@ -65,7 +67,7 @@ class Floor:
     def teach(
         self,
         stage: Teach,
-        frames: int = 200,
+        frames: int = FRAMES,
         noise_px: float = 0.0,
         *,
         with_shake: bool = False,
@@ -100,7 +102,7 @@ def model(floor: Floor) -> PlanarModel:
 @pytest.fixture(scope="session")
 def shaken_model(floor: Floor) -> PlanarModel:
     """Return a model of all terms and four components, taught by a camera that shakes."""
-    taught = floor.teach(Teach(components=4), noise_px=0.03, with_shake=True)
+    taught = floor.teach(Teach(components=4, every_frames=FRAMES), noise_px=0.03, with_shake=True)
     assert taught is not None
     return taught
 
@@ -108,7 +110,7 @@ def shaken_model(floor: Floor) -> PlanarModel:
 @pytest.fixture(scope="session")
 def unaided_model(floor: Floor) -> PlanarModel:
     """Return a model of eight components, taught by a camera that shakes, without odometry."""
-    stage = Teach(terms=("mean",), components=8)
+    stage = Teach(terms=("mean",), components=8, every_frames=FRAMES)
     taught = floor.teach(stage, noise_px=0.03, with_shake=True, with_motion=False)
     assert taught is not None
     return taught

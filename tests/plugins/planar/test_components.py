@@ -140,7 +140,7 @@ def test_a_teacher_without_terms_and_components_is_refused() -> None:
 
 
 def test_components_alone_need_no_mean(floor: Floor) -> None:
-    model = floor.teach(Teach(terms=(), components=4), with_motion=False)
+    model = floor.teach(Teach(terms=(), components=4, every_frames=200), with_motion=False)
     assert model is not None
     assert model.terms == ("c1", "c2", "c3", "c4")
     assert model.valid.all()
@@ -149,7 +149,7 @@ def test_components_alone_need_no_mean(floor: Floor) -> None:
 @pytest.mark.parametrize("frames", [20, 200])
 def test_more_components_than_the_drive_has_are_not_published(floor: Floor, frames: int) -> None:
     """The exact flow of driving straight on has fields of few powers of the displacement; the rest is rounding."""
-    stage = Teach(terms=(), components=9, every_frames=5)
+    stage = Teach(terms=(), components=9, every_frames=frames // 10)
     stage.reset(0)
     flows = [floor.flow(floor.uv_px(forward_m, 0.0)) for forward_m in np.linspace(0.0, 0.04, frames)]
     assert [stage.step(flow) for flow in flows] == [None] * frames
