@@ -46,7 +46,7 @@ FROZEN: Cause = ("frozen", "flow", 0.02, 0.1)
 STOP: Cause = ("stop", "stop", 0.0, 0.0)
 REVERSED: Cause = ("reversed", "odometry", -1.0, 0.0)
 OBSTACLE: Cause = ("obstacle", "plane", 0.95, 0.9)
-ARM = "\n  look, then arm it by the key r of: graphnav teleop"
+ARM = "\n  look, then press r to arm it or drive it by hand in: graphnav teleop"
 
 
 def held(*causes: Cause, **fields: Any) -> GuardState:
@@ -150,18 +150,25 @@ def test_what_arms_the_guard_is_what_the_graph_wires(tmp_path_factory: pytest.Te
     (folder / "estop.yaml").write_text(
         "extends: navigate_live\ninputs: {operator.stop: {channel: ESTOP, type: graphnav_lcm.stop_t}}\n"
     )
+    (folder / "hand.yaml").write_text(
+        "extends: navigate_live\n"
+        "inputs: {operator.stop: null, operator.twist: {channel: JOY, type: graphnav_lcm.twist_t}}\n"
+        "stages: {guard: {in: {stop: null}}}\n"
+    )
     (folder / "none.yaml").write_text(
-        "extends: navigate_live\ninputs: {operator.stop: null}\nstages: {guard: {in: {stop: null}}}\n"
+        "extends: navigate_live\ninputs: {operator.stop: null, operator.twist: null}\n"
+        "stages: {guard: {in: {stop: null, override: null}}}\n"
     )
     latched, elsewhere = held(FROZEN, stopped=True), "udpm://239.255.76.68:7668?ttl=1"
     remedies = [
         Told(str(folder / name), url).over(0.05, latched)[0].splitlines()[1]
-        for name, url in (("estop.yaml", URL), ("estop.yaml", elsewhere), ("none.yaml", URL))
+        for name, url in (("estop.yaml", URL), ("estop.yaml", elsewhere), ("hand.yaml", URL), ("none.yaml", URL))
     ]
     assert remedies == [
-        "  look, then arm it by the key r of: graphnav teleop --stop-channel ESTOP",
-        f"  look, then arm it by the key r of: graphnav teleop --stop-channel ESTOP --url '{elsewhere}'",
-        "  look, end the run, and start it again: its graph has no input that arms the guard",
+        f"{ARM[1:]} --stop-channel ESTOP",
+        f"{ARM[1:]} --stop-channel ESTOP --url '{elsewhere}'",
+        "  look, then drive it by hand in: graphnav teleop --channel JOY",
+        "  look, end the run, and start it again: its graph has no input by which an operator helps",
     ]
 
 

@@ -11,13 +11,18 @@ from graphnav.errors import UserError
 from graphnav.graph import Graph, Node
 from graphnav.lcm_url import lcm_url
 from graphnav.live.live_runner import LiveRunner
-from graphnav.messages import GuardState, Stop
+from graphnav.messages import GuardState
 
 _STANDS_S = 2.0
 """A stop that lasts longer is told, and its end when it has been over for as long: neither is told of a flicker."""
 _TURNS_S = 10.0
 """The same for a robot that may turn, but not go forward: it turns away from obstacles within seconds."""
 _MAX_NAMED = 3
+_BY_HAND = (
+    ("stop", "--stop-channel", "STOP", "press r to arm it"),
+    ("override", "--channel", "TELEOP", "drive it by hand"),
+)
+"""A guard's inputs from an operator, and what `graphnav teleop` does with them."""
 _RETRIES, _LATCHED = "the robot retries, slowly", "the robot stands until the guard is armed"
 
 
@@ -117,17 +122,19 @@ class Hold:
 
 def _remedy(graph: Graph, node: Node, url: str) -> str:
     """Return what an operator has to do where a guard waits for him, by the channels that the graph wires."""
-    stop = next((i.channel for i in node.inputs if i.port.message is Stop and i.channel is not None), None)
-    source = graph.inputs.get(stop.ref) if stop is not None else None
-    if source is None or source.log is not None:
-        return "\n  look, end the run, and start it again: its graph has no input that arms the guard"
-    words = ["graphnav", "teleop"]
-    if source.name != "STOP":
-        words += ["--stop-channel", source.name]
+    sources = {i.port.name: graph.inputs.get(i.channel.ref) for i in node.inputs if i.channel is not None}
+    words, deeds = ["graphnav", "teleop"], []
+    for port, option, default, deed in _BY_HAND:
+        source = sources.get(port)
+        if source is not None and source.log is None:
+            deeds.append(deed)
+            words += [option, source.name] * (source.name != default)
+    if not deeds:
+        return "\n  look, end the run, and start it again: its graph has no input by which an operator helps"
     try:
         is_default = same_group(url, lcm_url())
     except UserError:  # of LCM_DEFAULT_URL, where the run has a URL of its own
         is_default = False
     if not is_default:
         words += ["--url", url]
-    return f"\n  look, then arm it by the key r of: {shlex.join(words)}"
+    return f"\n  look, then {' or '.join(deeds)} in: {shlex.join(words)}"
