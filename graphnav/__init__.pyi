@@ -201,6 +201,9 @@ from .stage import (
     Stamped as Stamped,
 )
 from .stage import (
+    Unnoticed as Unnoticed,
+)
+from .stage import (
     param as param,
 )
 

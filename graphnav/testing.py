@@ -70,7 +70,7 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
     tell_readers(unread, ())
     try:
         first.check()
-    except ParamError as error:
+    except (ParamError, ExceptionGroup) as error:
         _require(not params, cls, f"check() refuses the parameters: {error}")
         return  # its defaults name files or devices that do not exist here
     outputs = []
@@ -110,6 +110,9 @@ def _check_declaration(cls: type[Stage]) -> None:
     else:
         needed = [port.name for port in ports.inputs if not port.may_be_open]
         _require(bool(needed), cls, "is not a Source and has no plain input that must be wired: nothing fires it")
+    sampled = {port.name for port in ports.inputs if port.latest}
+    for one in cls.unnoticed:
+        _require(one.port in sampled, cls, f"names '{one.port}' in 'unnoticed', which is not a sampled input")
     for name, param in params_of(cls).items():
         _require(bool(param.doc.strip()), cls, f"parameter '{name}' has no doc")
         _check_unit(cls, param)

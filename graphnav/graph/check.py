@@ -14,7 +14,7 @@ from graphnav.graph.wiring.channels import channels_of
 from graphnav.graph.wiring.firing_order import firing_order
 from graphnav.graph.wiring.inputs import inputs_of
 from graphnav.graph.wiring.join_stamps import check_stamps
-from graphnav.graph.wiring.outputs import outputs_of
+from graphnav.graph.wiring.outputs import outputs_of, unnoticed_faults
 from graphnav.graph.wiring.outside_names import check_outside_names
 from graphnav.graph.wiring.settings import SET, run_options, settings_of
 from graphnav.graph.wiring.wires import Wires
@@ -76,6 +76,7 @@ def check(
     written = {ref: channel for ref, channel in channels.items() if ref not in spec.inputs}
     sent = outputs_of(spec, classes, written, catalog, problems)
     check_outside_names(spec, channels, inputs, sent, problems)
+    notices += unnoticed_faults(drawn, sent)
     if inputs:
         check_stamps(
             [node for node in nodes if node.is_source] + [n for n in order if n in nodes], inputs, problems, notices

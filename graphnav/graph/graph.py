@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -118,16 +118,24 @@ class Graph:
                     stage.check()
             except USER_ENDS:
                 raise
-            except ParamError as error:
-                problems.append(node.problem(error))
-            except UserError as error:
-                problems.extend(error.problems)
             except BaseException as error:  # noqa: BLE001 - a plugin's constructor may raise anything
-                problems.append(_plugin_problem(node, error))
+                problems.extend(_problems(node, error))
         return stages, problems
 
 
+def _problems(node: Node, error: BaseException) -> Iterator[Problem]:
+    """Yield what a stage's constructor or check raised as problems at the stage and its parameters."""
+    if isinstance(error, BaseExceptionGroup):
+        for one in error.exceptions:
+            yield from _problems(node, one)
+    elif isinstance(error, ParamError):
+        yield node.problem(error)
+    elif isinstance(error, UserError):
+        yield from error.problems
+    else:
+        yield _plugin_problem(node, error)
+
+
 def _plugin_problem(node: Node, error: BaseException) -> Problem:
-    """Return what a plugin's constructor or check raised as a problem at the stage."""
     hint = fix_the_plugin(error, (cls.__module__ for cls in node.stage_class.__mro__))
     return Problem(node.place, f"{node.use} cannot be made: {one_line(error)}", hint, raised=error)

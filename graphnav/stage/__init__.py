@@ -5,7 +5,7 @@ from graphnav.stage.metric import MEASURED, UNDEFINED, Better, Metric, metrics_o
 from graphnav.stage.param import Param, param, params_of
 from graphnav.stage.port import Age, Latest, Port, Ports, Since, Stamp, Stamped, ports_of
 from graphnav.stage.reported_metrics import reported_metrics
-from graphnav.stage.stage import MAY_READ_TRUTH, Finished, Role, Source, Stage, tell_readers
+from graphnav.stage.stage import MAY_READ_TRUTH, Finished, Role, Source, Stage, Unnoticed, tell_readers
 from graphnav.stage.units import unit_of
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "Stage",
     "Stamp",
     "Stamped",
+    "Unnoticed",
     "describe",
     "metrics_of",
     "param",

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, Final, Literal, dataclass_transform, get_args
+from typing import Any, ClassVar, Final, Literal, NamedTuple, dataclass_transform, get_args
 
 from graphnav.errors import ParamError
+from graphnav.messages.message import Message
 from graphnav.stage.metric import Metric
 from graphnav.stage.param import param, params_of
 from graphnav.stage.port import ports_of
@@ -20,6 +21,17 @@ score that only measures. True data (`Message.is_truth`) reaches oracles and sco
 
 MAY_READ_TRUTH: Final[tuple[Role, ...]] = ("oracle", "score")
 """The roles of stages that may read true data."""
+
+
+class Unnoticed(NamedTuple):
+    """A fault that a guard cannot notice while one of its inputs is not wired."""
+
+    port: str
+    """The sampled input."""
+    types: tuple[type[Message], ...]
+    """Told where the guard's inputs are made from a message of one of these types."""
+    fault: str
+    """The fault, for a notice: ``cannot notice {fault}``."""
 
 
 @dataclass_transform(kw_only_default=True, eq_default=False)
@@ -48,6 +60,8 @@ class Stage:
     """The metrics that `summary` returns."""
     is_guard: ClassVar[bool] = False
     """Whether it stops the robot on late, lost or blind inputs: only a guard may write a motor channel."""
+    unnoticed: ClassVar[tuple[Unnoticed, ...]] = ()
+    """Faults that a guard cannot notice where inputs of it are not wired, told where it writes a motor channel."""
 
     _read_ports: frozenset[str] | None = None
 
@@ -82,6 +96,8 @@ class Stage:
         ------
         ParamError
             One of them cannot be used; shown at the parameter's location in the graph.
+        ExceptionGroup
+            Several of them cannot be used: a `ParamError` for each, all of which are shown.
         """
 
     def is_read(self, port: str) -> bool:

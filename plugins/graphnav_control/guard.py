@@ -14,12 +14,14 @@ from graphnav import (
     Latest,
     Motion,
     Mount,
+    Odometry,
     OdometryCheck,
     Plane,
     Stage,
     Stamp,
     Stop,
     Twist,
+    Unnoticed,
     param,
 )
 from graphnav_control.causes import Cause, Staleness, contrast, judged_ratio, lost
@@ -83,6 +85,10 @@ class Guard(Stage):
     """
 
     is_guard: ClassVar[bool] = True
+    unnoticed = (
+        Unnoticed("flow", (Image, Plane), "a picture that freezes"),
+        Unnoticed("odometry", (Odometry,), "odometry that contradicts the picture"),
+    )
 
     max_age_s: float = param(
         0.5, gt=0.0, le=10.0, doc="age beyond which command, plane or image stops the robot: a few of their periods"

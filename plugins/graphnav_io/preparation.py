@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
@@ -43,22 +44,26 @@ class Prepared(Stage):
 
     def check(self) -> None:
         """Check that the parameters agree and that the calibration can be read."""
+        if errors := list(self._errors()):
+            raise ExceptionGroup("the preparation of pictures", errors)
+
+    def _errors(self) -> Iterator[ParamError]:
         if self.size is not None and self.scale != 1.0:
-            raise ParamError("scale", f"'scale' is {self.scale:g}, but 'size' is given too", "remove one of them")
+            yield ParamError("scale", f"'scale' is {self.scale:g}, but 'size' is given too", "remove one of them")
         if self.crop_px is not None and self.crop_ratio is not None:
-            raise ParamError("crop_px", "'crop_px' and 'crop_ratio' are both given", "remove one of them")
+            yield ParamError("crop_px", "'crop_px' and 'crop_ratio' are both given", "remove one of them")
         if self.size is not None and self.size[0] * self.size[1] > MAX_PIXELS:
             what = f"'size' is {list(self.size)}, which is more than {MAX_PIXELS // 10**6} million pixels"
-            raise ParamError("size", what, "give fewer columns or rows")
+            yield ParamError("size", what, "give fewer columns or rows")
         for name, box in (("crop_px", self.crop_px), ("crop_ratio", self.crop_ratio)):
             if box is not None and (box[0] >= box[2] or box[1] >= box[3]):
-                raise ParamError(
-                    name,
-                    f"'{name}' is {list(box)}, which is empty",
-                    "give left < right and top < bottom, in this order",
-                )
+                what = f"'{name}' is {list(box)}, which is empty"
+                yield ParamError(name, what, "give left < right and top < bottom, in this order")
         if self.calibration is not None:
-            read_calibration(self.calibration)
+            try:
+                read_calibration(self.calibration)
+            except ParamError as error:
+                yield error
 
     def check_picture(self, pixels: Bytes) -> None:
         """Check that the parameters fit a picture of the camera, before the run.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from graphnav import (
@@ -19,6 +20,7 @@ from graphnav import (
     State,
     Truth,
     Twist,
+    UserError,
     param,
 )
 from graphnav_world.drive import Drive
@@ -84,20 +86,26 @@ class Robot(MobileRobot):
 
         Raises
         ------
-        ParamError
-            A sensor is faster than the physics or its jitter reaches half of its period, or the map does not exist.
-        UserError
-            The map is invalid; all problems with their locations in the map's file.
+        ExceptionGroup
+            Sensors are faster than the physics or their jitter reaches half of their period, or the map cannot be read.
         """
+        errors: list[Exception] = list(self._wrong_rates())
+        try:
+            super().check()
+        except (ParamError, UserError) as error:
+            errors.append(error)
+        if errors:
+            raise ExceptionGroup("the simulated robot", errors)
+
+    def _wrong_rates(self) -> Iterator[ParamError]:
         for name in ("image_hz", "odometry_hz", "state_hz", "goal_hz"):
             if (hz := getattr(self, name)) > self.rate_hz:
                 what = f"'{name}' is {hz:g}, but the physics steps only {self.rate_hz:g} times a second"
-                raise ParamError(name, what, f"set {name} to at most rate_hz")
+                yield ParamError(name, what, f"set {name} to at most rate_hz")
         for name, hz in (("image_jitter_s", self.image_hz), ("odometry_jitter_s", self.odometry_hz)):
             if (jitter_s := getattr(self, name)) >= 0.5 / hz:
                 what = f"'{name}' is {jitter_s:g}, but must be less than half of the period of {1 / hz:g} s"
-                raise ParamError(name, what, "set a smaller jitter or a lower rate")
-        super().check()
+                yield ParamError(name, what, "set a smaller jitter or a lower rate")
 
     def reset(self, seed: int) -> None:
         """Draw the map, its textures, the errors and the jitter, and put the robot at the start."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, Problem, did_you_mean
-from graphnav.graph.node import Channel, OutputChannel
+from graphnav.graph.node import Channel, Node, OutputChannel
 from graphnav.graph.wiring.stop_message import why_no_stop
 from graphnav.graph.wiring.wire_type import type_written
-from graphnav.messages import Twist
+from graphnav.messages import Message, Twist
 from graphnav.spec import OutputSpec, Spec
 from graphnav.stage import Stage
 
@@ -87,3 +87,40 @@ def _output(
         stop,
         given.place,
     )
+
+
+def unnoticed_faults(nodes: Sequence[Node], outputs: Mapping[str, OutputChannel]) -> Iterator[str]:
+    """Yield a notice for every fault that the guard of a motor output cannot notice as it is wired, and the wire."""
+    by_name = {node.name: node for node in nodes}
+    guards = {output.channel.stage: ref for ref, output in outputs.items() if output.motor}
+    for name, ref in guards.items():
+        guard = by_name.get(name)
+        if guard is None or guard.is_left_out or not guard.stage_class.unnoticed:
+            continue
+        made_from = _made_from(guard, by_name)
+        open_ports = {i.port.name: i.port.message for i in guard.inputs if i.channel is None}
+        for port, types, fault in guard.stage_class.unnoticed:
+            wanted = open_ports.get(port)
+            if wanted is not None and made_from & set(types):
+                refs = [one.ref for node in nodes for one in node.outputs.values() if one.message is wanted]
+                remedy = (
+                    f"write in: {{{port}: {refs[0]}}}"
+                    if refs
+                    else f"wire a stage that writes {wanted.__name__}: 'graphnav stages {wanted.__name__}' lists them"
+                )
+                yield (
+                    f"the guard '{name}' ({guard.use}) of the motor output '{ref}' cannot notice {fault}, since its "
+                    f"'{port}' is not wired: {remedy}"
+                )
+
+
+def _made_from(node: Node, by_name: Mapping[str, Node]) -> set[type[Message]]:
+    """Return the types of all messages that what a node reads is made from."""
+    types, pending, seen = set[type[Message]](), [node], set[str]()
+    while pending:
+        for read in pending.pop().inputs:
+            if read.channel is not None and read.channel.ref not in seen:
+                seen.add(read.channel.ref)
+                types.add(read.channel.message)
+                pending += [by_name[name] for name in (read.channel.stage,) if name in by_name]
+    return types

@@ -102,7 +102,12 @@ def test_a_pattern_without_a_match_is_refused(source: Any, tmp_path: Path) -> No
 
 
 def test_a_size_beside_a_scale_is_refused(folder: Path) -> None:
-    assert refusal(Images(path=folder, size=(8, 6), scale=0.5)) == "'scale' is 0.5, but 'size' is given too"
+    with pytest.raises(ExceptionGroup) as raised:
+        Images(path=folder, size=(8, 6), scale=0.5, crop_ratio=(0.5, 0.0, 0.1, 1.0)).check()
+    assert [error.param for error in raised.value.exceptions if isinstance(error, ParamError)] == [
+        "scale",
+        "crop_ratio",
+    ]
 
 
 def test_a_first_picture_that_is_none_is_refused_before_the_run(folder: Path) -> None:

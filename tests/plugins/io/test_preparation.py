@@ -136,10 +136,12 @@ def test_sources_prepare_as_the_stage_does(
 
 
 def refusal(**parameters: Any) -> ParamError:
-    with pytest.raises(ParamError) as raised:
+    with pytest.raises(ExceptionGroup) as raised:
         Prepare(**parameters).check()
-    assert raised.value.hint
-    return raised.value
+    (error,) = raised.value.exceptions
+    assert isinstance(error, ParamError)
+    assert error.hint
+    return error
 
 
 def test_two_crops_are_refused() -> None:

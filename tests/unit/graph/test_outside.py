@@ -167,3 +167,59 @@ def test_a_broken_input_is_told_once(load: Load) -> None:
     with pytest.raises(UserError) as caught:
         load(LIVE.replace("graphnav_lcm.image_t", "graphnav_lcm.imag_t"))
     assert len(caught.value.problems) == 1
+
+
+GUARDED = """\
+inputs:
+  camera.image: {channel: CAMERA, type: graphnav_lcm.image_t}
+  base.odometry: {channel: ODOMETRY, type: graphnav_lcm.odometry_t}
+  operator.twist: {channel: TELEOP, type: graphnav_lcm.twist_t}
+stages:
+  flow: {use: toy.matcher, in: {image: camera.image}}
+  motion: {use: odometry.motion, in: {flow: flow.flow, odometry: base.odometry}}
+  plane: {use: toy.detector, in: {flow: flow.flow}}
+  wheels: {use: toy.wheels, in: {plane: plane.plane}}
+  guard:
+    use: control.guard
+    every_ms: 50
+    in: {command: wheels.twist, plane: plane.plane, flow: flow.flow, motion: motion.motion, odometry: motion.check}
+outputs: {guard.twist: {channel: BASE, motor: true}}
+"""
+UNNOTICED = "the guard 'guard' (control.guard) of the motor output 'guard.twist' cannot notice "
+FROZEN = f"{UNNOTICED}a picture that freezes, since its 'flow' is not wired: write in: {{flow: flow.flow}}"
+ODOMETRY = f"{UNNOTICED}odometry that contradicts the picture, since its 'odometry' is not wired: "
+
+
+@pytest.mark.parametrize(
+    ("wired", "instead", "told"),
+    [
+        ("", "", []),
+        ("flow: flow.flow, motion: motion.motion", "motion: motion.motion", [FROZEN]),
+        (", odometry: motion.check", "", [f"{ODOMETRY}write in: {{odometry: motion.check}}"]),
+        ("flow: flow.flow, motion: motion.motion, odometry: motion.check", "image: camera.image", [FROZEN]),
+        ("motor: true", "motor: false", []),
+        (
+            "command: wheels.twist, plane: plane.plane, flow: flow.flow, motion: motion.motion, odometry: motion.check",
+            "command: operator.twist",
+            [],
+        ),
+    ],
+    ids=["all", "no flow", "no odometry check", "a picture alone, no odometry behind", "no motor", "operator alone"],
+)
+def test_what_a_guard_cannot_notice_is_told(load: Load, wired: str, instead: str, told: list[str]) -> None:
+    text = GUARDED.replace(wired, instead) if wired else GUARDED
+    assert list(load(text).notices) == told
+
+
+def test_without_a_stage_that_writes_what_a_guard_lacks_it_is_told_where_to_look(load: Load) -> None:
+    text = """\
+inputs:
+  seen.plane: {channel: PLANE, type: graphnav_lcm.plane_t}
+stages:
+  wheels: {use: toy.wheels, in: {plane: seen.plane}}
+  guard: {use: control.guard, every_ms: 50, in: {command: wheels.twist, plane: seen.plane}}
+outputs: {guard.twist: {channel: BASE, motor: true}}
+"""
+    (notice,) = load(text).notices
+    where = "wire a stage that writes Flow: 'graphnav stages Flow' lists them"
+    assert notice == FROZEN.replace("write in: {flow: flow.flow}", where)

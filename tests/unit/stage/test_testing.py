@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import pytest
 
-from graphnav import Image, Latest, Metric, ParamError, Source, Stage, Stamped, State, Twist, param
+from graphnav import Image, Latest, Metric, ParamError, Source, Stage, Stamped, State, Twist, Unnoticed, param
 from graphnav.testing import check_stage
 
 
@@ -58,6 +58,12 @@ class WrongDefault(Stage):
 
     def step(self, image: Image) -> Image:
         return image
+
+
+class NoticesNothing(Good):
+    """Its unnoticed fault names an input that it has not."""
+
+    unnoticed = (Unnoticed("flow", (Image,), "a picture that freezes"),)
 
 
 class NeverFires(Stage):
@@ -218,6 +224,7 @@ def test_a_good_stage_passes() -> None:
         (WrongUnit, "parameter 'wait_ms' does not end in a unit suffix of graphnav"),
         (NoUnit, "parameter 'size' has no unit suffix: add one, or say 'dimensionless' in its doc"),
         (WrongDefault, "invalid default"),
+        (NoticesNothing, "names 'flow' in 'unnoticed', which is not a sampled input"),
         (SeesTruth, "input 'state' is true data, but the role is method: write role"),
         (HeldBack, "is a Source, but its input 'image' is not sampled"),
         (NeverFires, "nothing fires it"),
