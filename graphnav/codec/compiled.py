@@ -67,7 +67,9 @@ class Codec:
         except RecursionError as error:
             raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: nested too deep") from error
         if end != len(data):
-            raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: its fields end at byte {end}")
+            sizes = ", ".join(f"{name} = {values[name]}" for name in self.fields if name in self._sizes)
+            ending = f"its fields end at byte {end}{' where ' * bool(sizes)}{sizes}"
+            raise DecodeError(f"a damaged {self.name} of {len(data)} bytes: {ending}")
         return values
 
     def fits(self, data: bytes) -> bool:

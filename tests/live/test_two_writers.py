@@ -76,7 +76,8 @@ def test_a_standby_does_not_stop_the_robot_and_takes_over_through_one_stop(live:
     program, other = outside("BASE"), outside()
     active, standby = Camera(program, 7, 5230), Camera(other, 9, 17)
     run = live(GUARDED)
-    show_until(program, [active], lambda: speeds(program)[-1:] == [7.0], ACCEPTED_S)
+    show_until(program, [active], lambda: speeds(program)[-1:] == [7.0])
+    show_until(program, [active], lambda: True, ACCEPTED_S)
     show_until(program, [active, standby], lambda: "second writer: seq " in told(run), 1.0)
     assert speeds(program)[-1:] == [7.0]
     show_until(program, [standby], lambda: speeds(program)[-1:] == [9.0])
@@ -112,6 +113,19 @@ def test_two_that_do_not_number_their_pictures_are_told_by_their_addresses(live:
     assert "(pid " in told(run)
     show_until(program, cameras[1:], lambda: speeds(program)[-1:] == [9.0])
     run.stop()
+
+
+def test_a_driver_that_starts_again_is_not_a_second_writer(live: Begin, outside: Program) -> None:
+    program = outside("BASE")
+    before, again = Camera(program, 7, 5230), Camera(program, 9, 0)
+    run = live(GUARDED)
+    show_until(program, [before], lambda: speeds(program)[-1:] == [7.0])
+    show_until(program, [before], lambda: True, ACCEPTED_S)
+    show_until(program, [again], lambda: "restarted: seq is " in told(run) and speeds(program)[-1:] == [9.0])
+    _, log = run.stop()
+    assert [v for v in speeds(program) if v] == [7.0, 9.0], "a stop lies between them"
+    states = [state for _, _, state in log.messages("guard.state") if isinstance(state, GuardState)]
+    assert any("fault" in state.causes for state in states)
 
 
 BESIDE = GUARDED.replace(

@@ -115,7 +115,7 @@ MISTAKES = (
         "image_t: size is 19200, expected rows * cols * channels = 120 * 160 * 3 = 57600",
     ),
     Mistake("size larger than the data", [image(size=57600)], "data has size = 57600 elements, which need 57600 bytes"),
-    Mistake("size smaller than the data", [image(size=100)], "its fields end at byte 144"),
+    Mistake("size smaller than the data", [image(size=100)], "its fields end at byte 144 where size = 100"),
     Mistake("step_px is negative", [image(step_px=-1)], "image_t: step_px is -1, expected 1 or more; 0 counts as 1"),
     Mistake("the picture changes its size", [_resized], ", as in the first message"),
     Mistake(

@@ -133,12 +133,14 @@ class Alarms:
         """Yield the rejections and losses of an input."""
         ref, channel = intake.source.channel.ref, intake.source.name
         rejected = intake.monitor.rejected
-        if not intake.monitor.stamp_fault and self._is_news(f"{ref} rejected", rejected.total(), _MIN_OVERTAKEN):
-            yield f"not used: {rejected.total()} messages of {ref} on {channel}" + "".join(
-                f"\n  {count} {reason}{': ' * bool(detail)}{detail}"
-                for reason, count in rejected.most_common()
-                for detail in (intake.monitor.detail(reason),)
-            )
+        news = [
+            f"\n  {count} {reason}{': ' * bool(detail)}{detail}"
+            for reason, count in rejected.most_common()
+            if self._is_news(f"{ref} {reason}", count, _MIN_OVERTAKEN)
+            for detail in (intake.monitor.detail(reason),)
+        ]
+        if news and not intake.monitor.stamp_fault:
+            yield f"not used: {rejected.total()} messages of {ref} on {channel}{''.join(news)}"
         if self._is_news(f"{ref} lost", intake.lost, _MIN_LOST):
             yield (
                 f"lost: {intake.lost} messages of {ref} on {channel} never arrived, by their sequence numbers\n"

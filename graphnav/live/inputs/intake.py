@@ -61,6 +61,7 @@ class Intake:
         self._clock = clock
         self._codec = codec_of(source.lcm_class)
         self._sizes: tuple[tuple[int, ...], ...] | None = None
+        self._step_px = 1
         self._seq_at = None if source.channel.message.many_writers else offsets_of(source.lcm_class)[1]
         self._seen_wrong = self._seen_overflowed = self._seen_flooded = 0
         self._overflowed_before: int | None = None
@@ -69,12 +70,12 @@ class Intake:
 
     def take(self) -> Iterator[Received]:
         """Yield valid messages, oldest first; count the others."""
+        self._count_unread()
         accepted: list[tuple[Arrival, Mapping[str, Any], Verdict]] = []
         for arrival in self.mailbox.take():
             judged = self._judge(arrival)
             if judged is not None:
                 accepted.append((arrival, *judged))
-        self._count_unread()
         if self.needs_all:
             for arrival, fields, verdict in accepted:
                 message = self._message(fields, arrival.at_s)
@@ -103,6 +104,7 @@ class Intake:
         try:
             fields = self._codec.decode(arrival.data)
         except DecodeError as error:
+            self.monitor.unread += 1
             self.monitor.reject(UNDECODABLE, str(error), arrival.at_s)
             return None
         if self._overflowed_before is None:
@@ -114,6 +116,7 @@ class Intake:
             except USER_ENDS:
                 raise
             except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
+                self.monitor.unread += 1
                 self.monitor.reject(UNREADABLE, f"utime: {failure_line(error)}", arrival.at_s)
                 return None
         verdict = self.monitor.judge(
@@ -121,15 +124,16 @@ class Intake:
             self._clock.utime_at(arrival.at_s),
             utime,
             seq if isinstance(seq, int) else None,
-            self._writers(arrival.at_s),
+            *self._writers(arrival.at_s),
         )
         return (fields, verdict) if verdict.accepted else None
 
-    def _writers(self, at_s: float) -> Sequence[str]:
-        """Return the programs that sent on the channel lately, as far as they are known."""
+    def _writers(self, at_s: float) -> tuple[Sequence[str], str]:
+        """Return the programs that sent on the channel lately, and the sender of a message, where they are known."""
         if self.sources is None or self.source.channel.message.many_writers:
-            return ()
-        return self.sources.writers(self.source.name, at_s - self.monitor.max_age_s)
+            return (), ""
+        name, since_s = self.source.name, at_s - self.monitor.max_age_s
+        return self.sources.writers(name, since_s), self.sources.sender(name, since_s, at_s)
 
     def _utime(self, fields: Mapping[str, Any]) -> int | None:
         """Return the sender's timestamp, None if the type has none; raises whatever an adapter raises."""
@@ -159,7 +163,7 @@ class Intake:
         return message
 
     def _rejection(self, message: Message) -> tuple[str, BaseException] | None:
-        """Return why a message is not used: a value is not finite, a grid is empty or has not the size of the first."""
+        """Return why a message is not used: a value is not finite, a grid is empty or not as in the first one."""
         if (name := message.not_finite()) is not None:
             return NOT_FINITE, _not_finite(name, getattr(message, name))
         sizes = tuple(np.shape(getattr(message, name)) for name in message.grid)
@@ -170,11 +174,13 @@ class Intake:
         if (step_px := getattr(message, "step_px", 1)) < 1:
             return UNREADABLE, FieldError("step_px", step_px, "1 or more; 0 counts as 1")
         if self._sizes is None:
-            self._sizes = sizes
+            self._sizes, self._step_px = sizes, step_px
         for size, first in zip(sizes, self._sizes, strict=True):
             if size != first:
                 named, found, expected = (" x ".join(map(str, one)) for one in (_AXES[: len(size)], size, first))
                 return WRONG_SIZE, FieldError(named, found, f"{expected}, as in the first message")
+        if step_px != self._step_px:
+            return WRONG_SIZE, FieldError("step_px", step_px, f"{self._step_px}, as in the first message")
         return None
 
     def _received(self, arrival: Arrival, message: Message, verdict: Verdict, *, is_restart: bool) -> Received:
@@ -196,6 +202,7 @@ class Intake:
         if flooded > self._seen_flooded:
             self.monitor.reject(FLOOD, count=flooded - self._seen_flooded)
         if wrong > self._seen_wrong:
+            self.monitor.unread += wrong - self._seen_wrong
             self.monitor.reject(WRONG_TYPE, self._wrong_type(), self.mailbox.heard_s, wrong - self._seen_wrong)
         self.overtaken += overflowed - self._seen_overflowed
         self._seen_wrong, self._seen_overflowed, self._seen_flooded = wrong, overflowed, flooded

@@ -6,6 +6,7 @@ first packets of the channels that are watched, cut after their header.
 
 from __future__ import annotations
 
+import math
 import os
 import socket
 import struct
@@ -24,6 +25,8 @@ _REST_S = 0.0005
 """A rest after each packet: of a flood some are enough."""
 _LOOKUP_S = 0.25
 """Minimum time between two searches for processes, which take milliseconds: each message may be from another one."""
+_NOTED_S = 0.005
+"""The packet of a message is noted at most this long before the message arrives."""
 _HEAD_BYTES = 128
 _MAX_SOURCES = 16
 """Maximum number of sources that are kept for a channel; the one that has been silent longest is dropped."""
@@ -58,6 +61,15 @@ class PacketSources:
         if self._socket is not None:
             self._thread.join()
             self._socket.close()
+
+    def sender(self, channel: str, since_s: float, at_s: float) -> str:
+        """Return the program that sent the message that arrived at ``at_s``, the only one since ``since_s``, else "".
+
+        It is not known either where the packet of the message has not been noted yet.
+        """
+        writers = self.writers(channel, since_s)
+        is_noted = max(tuple(self._heard[channel].values()), default=-math.inf) >= at_s - _NOTED_S
+        return writers[0] if len(writers) == 1 and is_noted else ""
 
     def writers(self, channel: str, since_s: float) -> Sequence[str]:
         """Return the programs that sent on a channel since a time, monotonic seconds: address, and process if local."""

@@ -19,7 +19,8 @@ _DEFAULT_MIN_S, _DEFAULT_MAX_S, _DEFAULT_UNKNOWN_S = 0.3, 5.0, 1.0
 _ADOPTED_TIMELINE = 5
 _ADOPTED_WRITER = 2
 
-REPEATED, BACKWARDS, JUMPED, SECOND_WRITER = "repeated", "backwards", "jumped", "second writer"
+REPEATED, BACKWARDS, JUMPED = "repeated", "backwards", "jumped"
+SECOND_WRITER, RESTARTED = "second writer", "restarted"
 
 
 class Verdict(NamedTuple):
@@ -43,6 +44,8 @@ class _Arrived(NamedTuple):
     seq: int | None
     arrival_s: float
     arrival_utime: int
+    writer: str
+    """The program that sent it, empty if that is not known."""
 
     @property
     def delay_s(self) -> float:
@@ -84,6 +87,9 @@ class SenderMonitor:
     numbers, is then rejected and does no harm. When the accepted writer has been silent for ``max_age_s``, another one
     takes over, with a fault for as long, so that a robot stops in between. A second writer that comes before that, or
     uses the same numbers, or none, is a fault: neither is used until one has been silent for ``max_age_s``.
+
+    Numbers of the one program that sends which do not follow those before are not of a second writer: it has started
+    again. That is told, and handled in the same way.
     """
 
     def __init__(self, max_age_s: float | None = None) -> None:
@@ -92,7 +98,9 @@ class SenderMonitor:
         """Rejected messages by reason."""
         self._details: dict[str, tuple[str, float]] = {}
         self.missing = 0
-        """Number of skipped sequence numbers of the accepted writer."""
+        """Number of skipped sequence numbers of the accepted writer, less the messages whose number was not read."""
+        self.unread = 0
+        """Messages since the last one of the accepted writer whose number could not be read."""
         self._max_age_s = max_age_s
         self._newest: _Arrived | None = None
         self._birth_s = -math.inf
@@ -104,7 +112,7 @@ class SenderMonitor:
         self._own_heard_s = -math.inf
         self._other: _Other | None = None
         self._alone_since_s = math.inf
-        self._is_contested = self._is_mixed = False
+        self._is_contested = self._is_mixed = self._is_restarted = False
         self._fault, self._fault_s = "", -math.inf
 
     @property
@@ -174,7 +182,13 @@ class SenderMonitor:
         return arrival_s - max(self._own_heard_s, own.arrival_s) > self.max_age_s
 
     def judge(
-        self, arrival_s: float, arrival_utime: int, utime: int | None, seq: int | None, writers: Sequence[str] = ()
+        self,
+        arrival_s: float,
+        arrival_utime: int,
+        utime: int | None,
+        seq: int | None,
+        writers: Sequence[str] = (),
+        sender: str = "",
     ) -> Verdict:
         """Judge the next message.
 
@@ -182,12 +196,13 @@ class SenderMonitor:
         microseconds. ``utime``: the sender's stamp, None if the type has none: then the arrival is used. ``seq``: the
         sender's sequence number, None if the type has none. ``writers``: the programs that sent on the channel within
         the last ``max_age_s``, as far as they are known; they count where sequence numbers do not.
+        ``sender``: the only one of them, if it is known to have sent this message.
         """
         newest = self._newest
         stamp = utime
         if stamp is None:
             stamp = arrival_utime if newest is None else max(arrival_utime, newest.stamp + 1)
-        message = _Arrived(stamp, seq, arrival_s, arrival_utime)
+        message = _Arrived(stamp, seq, arrival_s, arrival_utime, sender)
         if newest is None or self._delay is None:
             self._alone_since_s = arrival_s
             return self._adopt(message, message.delay_s, is_restart=False)
@@ -195,8 +210,10 @@ class SenderMonitor:
         if seq is not None and own is not None and not self._is_echo(own, seq, message, newest):
             is_twin = own.is_twin(seq, stamp)
             if is_twin or not self._is_own(own, seq, message):
+                self._compare_writer(newest, message)
                 return self._judge_other(own, seq, message, is_twin=is_twin)
-            self.missing += max(0, seq - own.seq - 1)
+            self.missing += max(0, seq - own.seq - 1 - self.unread)
+            self.unread = 0
             own.add(seq, stamp, arrival_s)
         if own is None or not own.is_counting:
             if len(writers) > 1:
@@ -251,28 +268,39 @@ class SenderMonitor:
         return own.error_us(seq, message.stamp) <= other.error_us(seq, message.stamp)
 
     def _judge_other(self, own: WriterStream, seq: int, message: _Arrived, *, is_twin: bool) -> Verdict:
-        """Judge a message of another writer; a restarted sender is also one."""
+        """Judge a message that does not continue the accepted stream: of another writer, or of a restarted sender."""
         max_age_s, arrival_s, other = self.max_age_s, message.arrival_s, self._other
         is_own_silent = arrival_s - own.arrival_s > max_age_s
         if other is None or arrival_s - other.stream.arrival_s > max_age_s:
             if is_own_silent:
                 return self._take_over(own, seq, message, message.delay_s, alone_since_s=arrival_s)
             self._other = other = _Other(seq, message)
-            self._is_contested |= is_twin or arrival_s - self._alone_since_s <= max_age_s
+            if not self._is_restarted:
+                self._is_contested |= is_twin or arrival_s - self._alone_since_s <= max_age_s
         elif other.stream.continues(seq, arrival_s, self._periods.usual_s):
             other.add(seq, message, max_age_s)
             if is_own_silent and other.timeline.count >= _ADOPTED_WRITER:
                 return self._take_over(own, seq, message, other.timeline.min_delay_s, alone_since_s=-math.inf)
+        if self._is_restarted:
+            self.unread += 1
+            return self._rejected(message, RESTARTED, _restart(own, seq, message))
         if self._is_contested:
             return self._reject_contested(own, other, message)
         detail = f"seq {other.stream.seq} beside {own.seq}, {other.rate_hz(max_age_s):.1f} Hz; the first writer is used"
         return self._rejected(message, SECOND_WRITER, detail)
 
+    def _compare_writer(self, newest: _Arrived, message: _Arrived) -> None:
+        """Note whether a message that does not continue the accepted stream is from the same, only, program."""
+        before, self._is_restarted = self._is_restarted, bool(message.writer) and message.writer == newest.writer
+        if before and not self._is_restarted:
+            self._other = None  # the packet of another program was noted after its message
+
     def _take_over(
         self, own: WriterStream, seq: int, message: _Arrived, base_s: float, *, alone_since_s: float
     ) -> Verdict:
         """Accept another writer; the fault lets a robot stop once in between."""
-        self._note(f"another writer took over: seq {seq} after {own.seq}", message)
+        taken_over = f"another writer took over: seq {seq} after {own.seq}"
+        self._note(_restart(own, seq, message) if self._is_restarted else taken_over, message)
         self._alone_since_s, self._is_contested = alone_since_s, False
         self._periods.forget()
         return self._adopt(message, base_s, is_restart=True)
@@ -307,6 +335,7 @@ class SenderMonitor:
         self._stamps = StampClock()
         self._stamps.add(message.stamp, message.arrival_s, message.arrival_utime)
         self._own = self._other = None
+        self._is_restarted, self.unread = False, 0
         return self._accepted(message, self._delay, is_restart=is_restart)
 
     def _accepted(self, message: _Arrived, delay: Delay, *, is_restart: bool) -> Verdict:
@@ -324,3 +353,10 @@ class SenderMonitor:
 
     def _note(self, fault: str, message: _Arrived) -> None:
         self._fault, self._fault_s = fault, message.arrival_s
+
+
+def _restart(own: WriterStream, seq: int, message: _Arrived) -> str:
+    return (
+        f"seq is {seq} after {own.seq}, expected {own.seq + 1}, from the same program, {message.writer}: its driver "
+        "has started again, or its message was zeroed"
+    )

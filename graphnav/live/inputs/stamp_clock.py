@@ -12,6 +12,8 @@ _BOOT_S = 5.0
 """Stamps of this machine's CLOCK_MONOTONIC differ from it by at most this."""
 _WINDOW_S = 2.0
 _MIN_IN_WINDOW = 5
+_MIN_RATE, _MAX_RATE = 0.6, 1.6
+"""Stamps in microseconds that advance less or more than this between arrivals are not of a clock."""
 _STILL = "utime does not advance: the sender repeats its last message, or sets no stamp"
 
 
@@ -32,6 +34,14 @@ _UNITS = (
 )
 
 
+class _Advance(NamedTuple):
+    """Finding about the advance of the stamps within a time: the fault, the unit, and whether they advance too fast."""
+
+    fault: str = ""
+    unit: _Unit | None = None
+    is_fast: bool | None = None
+
+
 class StampClock:
     """Unit and clock of one sender's stamps, by their values and by how much they advance between arrivals.
 
@@ -49,7 +59,7 @@ class StampClock:
         self._in_window = 0
         self._still: tuple[int, float] | None = None
         self._is_still = False
-        self._by_window = ""
+        self._by_window = _Advance()
         self._advancing = ""
 
     def add(self, stamp: int, arrival_s: float, arrival_utime: int) -> None:
@@ -76,7 +86,8 @@ class StampClock:
         if elapsed_s < _WINDOW_S or self._in_window < _MIN_IN_WINDOW:
             return
         before, self._by_window = self._by_window, _by_advance(stamp - begin, elapsed_s)
-        self._advancing = self._by_window if self._by_window == before else ""  # a clock that jumps looks so once
+        is_lasting = self._by_window.unit == before.unit and self._by_window.is_fast == before.is_fast
+        self._advancing = self._by_window.fault if is_lasting else ""  # a clock that jumps looks so once
         self._begin, self._in_window = (stamp, arrival_s), 0
 
 
@@ -93,12 +104,16 @@ def _by_value(stamp: int, arrival_s: float, arrival_utime: int) -> tuple[str, bo
     return "", False
 
 
-def _by_advance(advance: int, elapsed_s: float) -> str:
-    """Return the fault that the advance of the stamps within a time tells."""
+def _by_advance(advance: int, elapsed_s: float) -> _Advance:
+    """Return what the advance of the stamps within a time tells."""
     for unit in _UNITS:
-        if 1 / 3 < advance * unit.us * 1e-6 / elapsed_s < 3:
-            return _unit_fault(unit)
-    return ""
+        rate = advance * unit.us * 1e-6 / elapsed_s
+        if 1 / 3 < rate < 3:
+            if unit is _US and not _MIN_RATE < rate < _MAX_RATE:
+                what = "utime is the time of the data, not a count of frames at a nominal rate"
+                return _Advance(f"utime advances by {rate:.2f} s a second: {what}", unit, rate > 1)
+            return _Advance(_unit_fault(unit), unit)
+    return _Advance()
 
 
 def _unit_fault(unit: _Unit, of: str = "") -> str:

@@ -46,6 +46,7 @@ class Camera:
             EPOCH_US + round(stamp_s * 1e6),
             self.seq if self.is_counting else None,
             self.writers,
+            self.writers[0] if len(self.writers) == 1 else "",
         )
 
     def pause(self, duration_s: float) -> None:

@@ -33,3 +33,17 @@ def test_a_type_without_numbers_loses_none() -> None:
     camera.pause(1)
     camera.send(3)
     assert camera.monitor.missing == 0
+
+
+def test_messages_whose_number_could_not_be_read_did_arrive() -> None:
+    camera = Camera(SenderMonitor())
+    camera.send(5)
+    camera.monitor.unread += 3
+    camera.seq += 4
+    camera.frame += 4
+    camera.send(5)
+    assert camera.monitor.missing == 1
+    camera.seq += 2
+    camera.frame += 2
+    camera.send(5)
+    assert camera.monitor.missing == 3

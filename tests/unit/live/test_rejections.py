@@ -89,7 +89,7 @@ def test_a_zeroed_struct_of_c_is_a_picture() -> None:
             f"{DAMAGED} of 58 bytes: data has size = 24 elements, which need 24 bytes, but 14 are left",
         ),
         (image()[:20], "undecodable", f"{DAMAGED} of 20 bytes: it ends before the end of seq"),
-        (image() + b"0", "undecodable", f"{DAMAGED} of 69 bytes: its fields end at byte 68"),
+        (image() + b"0", "undecodable", f"{DAMAGED} of 69 bytes: its fields end at byte 68 where size = 24"),
         (
             encode(Twist(v_mps=1.0, omega_radps=0.0), 5, 0),
             "wrong type",
@@ -115,6 +115,23 @@ def test_another_size_than_the_first_is_named() -> None:
     assert told(intake(Image), image(), colour) == {
         "wrong size": "image_t: rows x cols x channels is 4 x 6 x 3, expected 4 x 6, as in the first message"
     }
+
+
+def test_another_step_than_the_first_is_named() -> None:
+    assert told(intake(Image), image(), image(utime=6, seq=1, step_px=65535)) == {
+        "wrong size": "image_t: step_px is 65535, expected 1, as in the first message"
+    }
+
+
+@pytest.mark.parametrize(
+    "damaged", [image()[:-1], encode(Twist(v_mps=1.0, omega_radps=0.0), 5, 0)], ids=["damaged", "type"]
+)
+def test_messages_that_cannot_be_read_are_not_lost(damaged: bytes) -> None:
+    found = intake(Image)
+    told(found, image(), *[damaged] * 25, image(utime=6, seq=26))
+    assert (found.used, found.lost) == (2, 0)
+    told(found, image(utime=7, seq=29))
+    assert (found.used, found.lost) == (3, 2)
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])

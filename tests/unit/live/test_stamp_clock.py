@@ -44,6 +44,14 @@ def test_microseconds_of_any_epoch_are_right(epoch_us: int) -> None:
     assert not feed(StampClock(), lambda time_s: epoch_us + time_s * 1e6 + 1, 10.0)
 
 
+@pytest.mark.parametrize("rate", [0.4, 0.5, 2.0, 2.5])
+def test_stamps_that_count_frames_at_a_wrong_rate_are_told(rate: float) -> None:
+    fault = feed(StampClock(), lambda time_s: EPOCH_US + rate * time_s * 1e6, 5.0)
+    wanted = "utime is the time of the data, not a count of frames at a nominal rate"
+    assert fault == f"utime advances by {rate:.2f} s a second: {wanted}"
+    assert not feed(StampClock(), lambda time_s: EPOCH_US + (0.7 if rate < 1 else 1.4) * time_s * 1e6, 10.0)
+
+
 def test_a_clock_that_jumps_is_not_another_unit() -> None:
     assert not feed(StampClock(), lambda time_s: EPOCH_US + time_s * 1e6 + 2_000e6 * (time_s > 3), 10.0)
 

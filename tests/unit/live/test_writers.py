@@ -227,3 +227,70 @@ def test_an_edge_that_sends_twice_is_one_writer() -> None:
         assert camera.deliver((camera.frame - 1) / 20).reason == "repeated"
         camera.seq += 1
     assert not camera.monitor.fault(camera.arrival_s)
+
+
+OWN, ANOTHER = ("10.0.0.5:41234 (pid 77, camera)",), ("10.0.0.5:50001",)
+
+
+@pytest.mark.parametrize(
+    ("count", "seqs"),
+    [(20, range(30)), (5230, range(30)), (5230, range(5230, 5200, -1)), (5230, range(10_000, 40_000, 1000))],
+    ids=["within its numbers", "from 0", "backwards", "by jumps"],
+)
+def test_numbers_of_the_only_writer_that_start_again_are_not_of_a_second_one(count: int, seqs: range) -> None:
+    camera = Camera(SenderMonitor(0.5), seq=count, rate_hz=10, writers=OWN)
+    camera.send(20)
+    last = camera.seq - 1
+    verdicts = []
+    for seq in seqs:
+        camera.seq = seq
+        verdicts += camera.send(1)
+        if len(verdicts) < 5:
+            assert camera.monitor.detail("restarted") == (
+                f"seq is {seq} after {last}, expected {last + 1}, from the same program, {OWN[0]}: its driver has "
+                "started again, or its message was zeroed"
+            )
+    assert set(reasons(verdicts[:4])) == {"restarted"}
+    assert not camera.monitor.rejected["second writer"]
+    assert camera.monitor.missing == 0
+    adopted = next(verdict for verdict in verdicts if verdict.accepted)
+    assert adopted.is_restart, "the robot stops, as for another writer"
+
+
+def test_a_sender_that_starts_again_is_used_after_a_fault_that_tells_it() -> None:
+    camera = Camera(SenderMonitor(0.5), seq=5000, rate_hz=10, writers=OWN)
+    camera.send(20)
+    camera.seq = 0
+    while not camera.send(1)[0].accepted:
+        assert camera.seq < 10
+    fault = camera.monitor.fault(camera.arrival_s)
+    assert fault.startswith(f"seq is {camera.seq - 1} after 5019, expected 5020, from the same program, ")
+    assert not any(reasons(camera.send(20)))
+    assert not camera.monitor.fault(camera.arrival_s)
+
+
+def test_a_second_writer_whose_packet_was_noted_late_is_one() -> None:
+    monitor = SenderMonitor(5)
+    first, second = (Camera(monitor, seq=seq, rate_hz=10, writers=OWN) for seq in (1000, 17))
+    first.send(10)
+    second.frame = 10
+    assert reasons(second.send(1)) == ["restarted"]
+    first.writers = second.writers = OWN + ANOTHER
+    first.frame = 11
+    _, others = _interleave(first, second, 3)
+    assert set(reasons(others)) == {"second writer"}
+    assert monitor.fault(second.arrival_s).startswith("two writers: seq "), "neither was alone for max_age_s"
+
+
+def test_a_writer_of_another_address_is_a_second_one() -> None:
+    monitor = SenderMonitor(0.5)
+    first, second = (Camera(monitor, seq=seq, rate_hz=10, writers=OWN) for seq in (1000, 17))
+    first.send(10)
+    first.writers = second.writers = OWN + ANOTHER
+    second.frame = 10
+    _, others = _interleave(first, second, 5)
+    assert set(reasons(others)) == {"second writer"}
+    second.writers = ANOTHER
+    while not second.send(1)[0].accepted:
+        assert second.seq < 100
+    assert monitor.fault(second.arrival_s).startswith("another writer took over: seq ")
