@@ -274,6 +274,12 @@ class LiveRunner:
                 now_s = self.clock.now_s()
                 self._fire(unit, self._own_stamp(now_s), partial(unit.fire_timer, now_s=now_s))
 
+    def withhold_commands(self, *, is_withheld: bool) -> None:
+        """Give guards no command from now on, or again: one that is not sent must not count as driven."""
+        for unit in self._units.values():
+            if unit.node.stage_class.is_guard:
+                unit.withhold(is_withheld=is_withheld)
+
     def record(self, name: str, data: bytes) -> None:
         """Write a message to the log and the tap, stamped now: senders' clocks may differ."""
         utime = self.clock.now()

@@ -39,6 +39,7 @@ class LiveUnit(Unit):
         self.birth_s = self.origin_s = math.nan
         """Times from which the age and the latency of its newest outputs are measured, monotonic seconds; they differ
         for a stage with a timer, whose every firing is a new decision; NaN if there was no new input."""
+        self._is_withheld = False
         self._fault_of = fault_of
         self._held: MatchedSet | None = None
         self.before_step: Callable[[LiveUnit, int, float, Sequence[Used]], None] | None = None
@@ -66,7 +67,7 @@ class LiveUnit(Unit):
             self._reached[port] = max(utime, self._reached.get(port, utime))
         elif port in self._latest:
             self._newest[port] = (message, birth_s, Used(port, number, utime))
-        else:
+        elif not self._is_withheld:
             self.join.put(port, utime, Held(message, birth_s, now_s, number))
 
     def restart(self) -> None:
@@ -76,6 +77,12 @@ class LiveUnit(Unit):
         self._reached.clear()
         for gathered in self._gathered.values():
             gathered.clear()
+
+    def withhold(self, *, is_withheld: bool) -> None:
+        """Drop what its plain inputs hold, and what they get until the opposite is asked."""
+        if is_withheld and not self._is_withheld:
+            self.restart()
+        self._is_withheld = is_withheld
 
     def ready(self, now_s: float) -> MatchedSet | None:
         """Return the set that would fire now, None if there is none or its `Since` inputs are not that far."""

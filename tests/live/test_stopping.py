@@ -183,6 +183,9 @@ def test_a_motor_process_that_is_suspended_is_reported_and_stops_before_it_drive
     assert not output["fault"]
     with Recording(driven.folder / "run.lcmlog") as log:
         faults = {one.outputs[0]["fault"] for _, _, one in log.messages("graphnav.status") if isinstance(one, Status)}
+        decided = [one.v_mps for utime, _, one in log.messages("guard.twist") if utime < resumed_us]  # type: ignore[attr-defined]
+    assert decided[-1] == 0.0, "the guard counts commands that are not sent as driven"
+    assert max(decided) > 0.0
     assert any(fault.startswith("not taken for ") for fault in faults)
 
 

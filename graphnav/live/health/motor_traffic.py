@@ -46,6 +46,11 @@ class MotorTraffic:
         """Number of commands that the motor process did not send because they were older than ``max_age_s``."""
         return self.motors.counts.late if self.motors is not None else 0
 
+    @property
+    def is_substituted(self) -> bool:
+        """Whether the motor process takes no commands, and this process sends stops in its place."""
+        return bool(self._unread_s) and self.substituted > self._substituted
+
     def look(self, now_s: float) -> Iterator[str]:
         """Update `fault`, and yield what has begun or ended since the last call; ``now_s``: monotonic."""
         if self.motors is None:
@@ -60,7 +65,7 @@ class MotorTraffic:
         is_failing = now_s - self._failed_s < _FAILING_S
         self.fault = "the network takes no messages: nothing is sent" if is_failing else ""
         if self._unread_s:
-            sent = "only stops are sent, by the run" if self.substituted > self._substituted else "nothing is sent"
+            sent = "only stops are sent, by the run" if self.is_substituted else "nothing is sent"
             self.fault = f"not taken for {self._unread_s:.1f} s: {sent}"
             if not before_s:
                 yield (

@@ -55,6 +55,7 @@ class Observer:
         for line in self._holds.look(runner.clock.now_s()):
             self.tell(line)
         changes = list(self.traffic.look(runner.clock.now_s()))
+        runner.withhold_commands(is_withheld=self.traffic.is_substituted)
         for line in changes:
             self.tell(line)
         if not (changes or self._reporter.is_due()):
