@@ -24,6 +24,8 @@ TAKEOVERS = 20
 BESIDE_S, SETTLES_S, PATIENCE_S = 1.5, 1.5, 20.0
 FIRST_SEQS = 5_230, 17
 MAX_DRIVE_S = 400.0
+SLOW = ("--set", "control.max_speed_mps=0.12")
+"""So that the drive lasts: a robot that stands at its goal against commands is frozen for the guard."""
 
 
 class TwoCameras:
@@ -68,7 +70,7 @@ def takeovers_item(seeds: Sequence[int], _jobs: int) -> bool:
     ):
         rig.kill_camera()
         with TwoCameras(rig.robot_url, rig.graph_url) as cameras:
-            rig.navigate()
+            rig.navigate(options=SLOW)
             _wait_to_drive(commands, time.monotonic(), 60.0)
             time.sleep(SETTLES_S)
             found = [_take_over(cameras, commands, k % 2) for k in range(TAKEOVERS)]
