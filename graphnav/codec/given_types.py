@@ -20,7 +20,10 @@ _STRUCT = re.compile(
 )
 _MEMBER = re.compile(rf"    ((?:{_NAME}\.)*{_NAME}) ({_NAME})((?:\[(?:{_NAME}|[0-9]{{1,9}})\])*);")
 _DIM = re.compile(r"\[(\w+)\]")
-_MAX_TYPES = 1000
+_MAX_FIELDS = 10_000
+"""How many fields all definitions of a log may have together."""
+_MAX_EXPANDED, _MAX_DEPTH = 2000, 32
+"""How many fields a type may have with those of all structs in it, and how deep these may be nested: each is walked."""
 _MASK = (1 << 64) - 1
 
 
@@ -33,26 +36,33 @@ class _Member(NamedTuple):
 
 
 def add_given_types(text: str) -> None:
-    """Register the types of definitions, as `lcm_text_of` writes them, unless they are known or cannot be made."""
+    """Register the types of definitions, as `lcm_text_of` writes them, unless they are known or cannot be made.
+
+    Definitions are bounded: those after the 10,000th field, and types of more than 2000 fields or 32 levels with the
+    structs in them, are left out.
+    """
     defined = dict(_structs(text))
     made: dict[str, type | None] = {}
-    for name in defined:
-        lcm_class = _made(name, defined, made, ())
+    for name in _bounded(defined):
+        lcm_class = _made(name, defined, made)
         if lcm_class is not None and type_of(fingerprint(lcm_class)) is None:
             add_type(name, lcm_class)
 
 
 def _structs(text: str) -> Iterator[tuple[str, tuple[_Member, ...]]]:
     """Yield the fields of each type by its name; a definition with a line that is not a field is left out."""
-    for number, found in enumerate(_STRUCT.finditer(text)):
-        if number == _MAX_TYPES:
-            return
+    n_fields = 0
+    for found in _STRUCT.finditer(text):
         package, short, body = found.groups()
+        n_fields += 1 + body.count("\n")
+        if n_fields > _MAX_FIELDS:
+            return
         members = [_MEMBER.fullmatch(line) for line in body.splitlines()]
         read = tuple(_member(*member.groups()) for member in members if member is not None)
-        names = [one.name for one in read]
-        is_sized = all(isinstance(dim, int) or dim in names for one in read for dim in one.dims)
-        if len(read) == len(members) == len(set(names)) and is_sized and not any(map(keyword.iskeyword, names)):
+        names = {one.name for one in read}
+        is_usable = all(isinstance(dim, int) or dim in names for one in read for dim in one.dims)
+        is_usable &= package is not None or short not in PRIMITIVES
+        if len(read) == len(members) == len(set(names)) and is_usable and not any(map(keyword.iskeyword, names)):
             yield f"{package}.{short}" if package else short, read
 
 
@@ -60,29 +70,37 @@ def _member(typename: str, name: str, dims: str) -> _Member:
     return _Member(typename, name, tuple(int(dim) if dim.isdigit() else dim for dim in _DIM.findall(dims)))
 
 
-def _made(
-    name: str,
-    defined: Mapping[str, tuple[_Member, ...]],
-    made: dict[str, type | None],
-    outer: tuple[str, ...],
-) -> type | None:
-    """Return a type by its name, None if it is not known, or contains itself."""
+def _bounded(defined: Mapping[str, tuple[_Member, ...]]) -> list[str]:
+    """Return the names of the types within the bounds; a type that contains itself is not."""
+    expanded = dict.fromkeys(defined, 1)
+    for _ in range(_MAX_DEPTH):
+        before = expanded
+        expanded = {
+            name: min(_MAX_EXPANDED + 1, 1 + sum(before.get(one.typename, 1) for one in members))
+            for name, members in defined.items()
+        }
+        if expanded == before:
+            break
+    return [name for name, count in expanded.items() if count <= _MAX_EXPANDED and count == before[name]]
+
+
+def _made(name: str, defined: Mapping[str, tuple[_Member, ...]], made: dict[str, type | None]) -> type | None:
+    """Return a type by its name, None if it is not known; its definition is within the bounds."""
     if name not in defined:
         return type_named(name)
-    if name not in made and name not in outer:
+    if name not in made:
         structs = {
-            one.typename: _made(one.typename, defined, made, (*outer, name))
-            for one in defined[name]
-            if one.typename not in PRIMITIVES
+            one.typename: _made(one.typename, defined, made) for one in defined[name] if one.typename not in PRIMITIVES
         }
         known = {typename: struct for typename, struct in structs.items() if struct is not None}
         made[name] = _class(name, defined[name], known) if len(known) == len(structs) else None
-    return made.get(name)
+    return made[name]
 
 
 def _class(name: str, members: tuple[_Member, ...], structs: Mapping[str, type]) -> type:
     """Return a class with the layout of a type, as `graphnav.codec.layout` reads it from those of lcm-gen."""
     package, _, short = name.rpartition(".")
+    value = _hash(members, structs)
     made = type(
         short,
         (),
@@ -92,18 +110,16 @@ def _class(name: str, members: tuple[_Member, ...], structs: Mapping[str, type])
             "__typenames__": [one.typename for one in members],
             "__dimensions__": [list(one.dims) or None for one in members],
             "structs": dict(structs),
-            "_get_hash_recursive": classmethod(
-                lambda cls, parents: 0 if cls in parents else _hash(members, structs, (*parents, cls))
-            ),
-            "_get_packed_fingerprint": classmethod(lambda cls: cls._get_hash_recursive(()).to_bytes(8, "big")),
+            "_get_hash_recursive": staticmethod(lambda _: value),
+            "_get_packed_fingerprint": staticmethod(lambda: value.to_bytes(8, "big")),
         },
     )
     type.__setattr__(made, "__slots__", [one.name for one in members])
     return made
 
 
-def _hash(members: tuple[_Member, ...], structs: Mapping[str, Any], parents: tuple[type, ...]) -> int:
-    """Return LCM's hash of a type, of which the fingerprint is made (lcm-gen, ``lcm_struct_hash``)."""
+def _hash(members: tuple[_Member, ...], structs: Mapping[str, Any]) -> int:
+    """Return LCM's hash of a type, which is its fingerprint (lcm-gen, ``lcm_struct_hash``)."""
     value = 0x12345678
     for one in members:
         value = _text(value, one.name)
@@ -113,7 +129,7 @@ def _hash(members: tuple[_Member, ...], structs: Mapping[str, Any], parents: tup
         for dim in one.dims:
             value = _text(_update(value, isinstance(dim, str)), str(dim))
     nested = (structs[one.typename] for one in members if one.typename not in PRIMITIVES)
-    value = (value + sum(int(struct._get_hash_recursive(parents)) for struct in nested)) & _MASK  # noqa: SLF001
+    value = (value + sum(int(struct._get_hash_recursive([])) for struct in nested)) & _MASK  # noqa: SLF001
     return (value << 1 | value >> 63) & _MASK
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.catalog import Catalog
-from graphnav.codec import codec_of, fingerprint, known_types, lcm_name, lcm_text_of
+from graphnav.codec import codec_of, fingerprint, known_types, lcm_name, lcm_text_of, type_named
 from graphnav.codec.given_types import add_given_types
 from graphnav.errors import UserError
 from graphnav.graph import Graph, load_graph, parse_override, resolved_yaml
@@ -100,13 +100,41 @@ from graphnav.codec.given_types import _made, _structs
 from graphnav.codec import fingerprint
 defined, made = dict(_structs({lcm_text_of(types)!r})), {{}}
 for name in sorted(defined):
-    print(name, fingerprint(_made(name, defined, made, ())).hex())
+    print(name, fingerprint(_made(name, defined, made)).hex())
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     found = dict(line.split() for line in done.stdout.splitlines())
     assert {name: found[name] for name in map(lcm_name, types)} == {
         lcm_name(one): fingerprint(one).hex() for one in types
     }
+
+
+def _struct(name: str, *fields: str) -> str:
+    return "\n".join([f"struct {name}", "{", *(f"    {field};" for field in fields), "}", ""])
+
+
+@pytest.mark.parametrize("n_types", [5, 40, 900])
+@pytest.mark.parametrize("n_fields", [1, 2])
+def test_definitions_that_nest_deeply_cost_no_time(n_types: int, n_fields: int) -> None:
+    own = f"nest_{n_types}_{n_fields}"
+    inner = [_struct(f"{own}_{k}", *(f"{own}_{k + 1} {own}_f{j}" for j in range(n_fields))) for k in range(n_types)]
+    add_given_types("\n".join([*inner, _struct(f"{own}_{n_types}", f"int8_t {own}")]))
+    assert type_named(f"{own}_{n_types - 5}") is not None
+    assert (type_named(f"{own}_0") is not None) == (n_types == 5)
+
+
+def test_definitions_are_bounded_in_all() -> None:
+    wide = _struct("wide", *(f"int8_t f{k}" for k in range(2000)))
+    add_given_types("\n".join([wide, _struct("behind", "int8_t b"), _struct("int8_t", "int8_t c"), wide * 5]))
+    assert type_named("wide") is type_named("int8_t") is None
+    assert type_named("behind") is not None
+
+
+def test_a_definition_may_contain_a_known_type_that_nests_others() -> None:
+    add_given_types(_struct("with_status", "graphnav_lcm.status_t status"))
+    made = type_named("with_status")
+    assert made is not None
+    assert codec_of(made).fields == ("status",)
 
 
 @pytest.mark.parametrize("places", list(itertools.combinations(range(0, 60, 7), 2)))
