@@ -18,7 +18,7 @@ from pathlib import Path
 
 from graphnav.errors import GraphnavError, shown_path
 from graphnav.machine.atomic_write import write_atomically
-from graphnav.machine.regular_file import is_own, read_json, read_regular
+from graphnav.machine.regular_file import MAX_JSON_BYTES, is_own, read_regular
 from graphnav.machine.user_folders import no_user_folder, user_folder
 from graphnav.notices import print_notice
 from graphnav.run_folder import PLUGINS, is_graph_of_run
@@ -169,8 +169,8 @@ def _read() -> _Known:
     try:
         if path is None or not (is_own(path) and is_own(path.parent)):
             return _Known()
-        data = read_json(path)
-    except (OSError, ValueError):
+        data = json.loads(read_regular(path, MAX_JSON_BYTES))  # not `read_json`: names of folders need not be UTF-8
+    except (OSError, ValueError, RecursionError):
         return _Known()
     words = data if isinstance(data, dict) else {}
     return _Known(_strings(words.get("folders")), _strings(words.get("written")))

@@ -60,6 +60,14 @@ def test_a_folder_is_trusted_until_it_is_revoked(tmp_path: Path) -> None:
     assert not is_trusted(request)
 
 
+def test_a_folder_whose_name_is_not_utf_8_is_remembered_with_the_others(tmp_path: Path) -> None:
+    named = tmp_path / os.fsdecode(b"n\xff")
+    assert remember(Request(tmp_path, ())) == remember(Request(named, ())) == ""
+    assert trusted_folders() == (str(tmp_path), str(named))
+    assert forget(named) == ""
+    assert trusted_folders() == (str(tmp_path),)
+
+
 def test_a_yes_is_asked_for_once_and_remembered(tmp_path: Path) -> None:
     asked: list[Request] = []
 
