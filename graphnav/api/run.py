@@ -134,7 +134,7 @@ def _check_arguments(pace: object, tap: object, url: object) -> None:
 def _draw(catalog: Catalog, graph: Graph, folder: Path, full: FullLog) -> Sequence[Path]:
     """Return the pictures of a run; log those that cannot be drawn as notices."""
     try:
-        with _drawing, full.recording(folder / LOG) as recording:
+        with _drawing, full.recording(folder / LOG, tell) as recording:
             return draw_all(add_plugins(catalog, graph.plugins), recording, folder)
     except GraphnavError as error:
         tell(f"not drawn: {error}")

@@ -139,7 +139,7 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
         print(f"no pictures were drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
     elif wants_pictures:
         try:
-            with full.recording(folder / LOG) as recording:
+            with full.recording(folder / LOG, print_notice) as recording:
                 pictures = [path.name for path in draw_all(catalog, recording, folder, video=args.video)]
         except DrawingError as error:
             report = FailureReport(args)

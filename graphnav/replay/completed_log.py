@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import errno
 import hashlib
 import os
 import shutil
@@ -14,6 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+from graphnav import __version__
 from graphnav.catalog import Catalog
 from graphnav.errors import GraphnavError, LogError, UserError, message_line, shown_name
 from graphnav.machine.regular_file import is_own
@@ -28,7 +30,11 @@ from graphnav.run_folder import GRAPH
 from graphnav.trust import read_plugin, run_digest
 
 MAX_CACHE_BYTES = 2 << 30
-"""Of all completed logs together; those that were not used for the longest time are removed."""
+"""Of all completed logs together; those that were not used for the longest time are removed, the newest never."""
+_MIN_FREE_BYTES = 128 << 20
+"""Free space of the disk that a log which is being made leaves to others."""
+_UNFINISHED_S = 3600.0
+"""A file that was not written for this long was left by a process that died."""
 _SUFFIX = ".lcmlog"
 _CHUNK_BYTES = 1 << 20
 
@@ -103,19 +109,26 @@ def _complete(
             with suppress(OSError):
                 os.utime(kept)
             return _Completion(kept)
-        pending = _pending_path(kept)
+        made = graph_to_replay(recording, catalog, plugins=plugins)  # loads the plugins of the run, if trusted
+        pending, begin_s = _pending_path(kept), time.monotonic()
         try:
-            made = graph_to_replay(recording, catalog, plugins=plugins)  # loads the plugins of the run, if trusted
-            begin_s = time.monotonic()
-            result = replay(recording, made, ReplayOptions(), out=pending, about=_about(recording), on_tick=on_tick)
+            result = replay(
+                recording,
+                made,
+                ReplayOptions(),
+                out=pending,
+                about=_about(recording),
+                on_tick=_leaving_room(pending.parent, on_tick),
+            )
             why = _why_not(recording, result)
             wall_s = time.monotonic() - begin_s
             return _Completion(None, why) if why else _Completion(_keep(pending, kept), wall_s=wall_s)
-        except LogError as error:
-            if isinstance(cause := error.__cause__, OSError):
-                hint = "free space there, or name another cache folder by XDG_CACHE_HOME"
-                return _Completion(None, f"cannot write into {pending.parent}: {cause.strerror}", hint=hint)
-            raise
+        except (LogError, OSError) as error:
+            cause = error if isinstance(error, OSError) else error.__cause__
+            if not isinstance(cause, OSError):
+                raise
+            hint = "free space there, or name another cache folder by XDG_CACHE_HOME"
+            return _Completion(None, f"cannot write into {pending.parent}: {cause.strerror}", hint=hint)
         finally:
             pending.unlink(missing_ok=True)
     except UserError as error:
@@ -127,7 +140,18 @@ def _complete(
     except GraphnavError as error:
         return _Completion(None, message_line(error))
     except OSError as error:
-        return _Completion(None, f"cannot write them: {error.strerror}")
+        return _Completion(None, f"{error.filename or recording.path}: {error.strerror}")
+
+
+def _leaving_room(folder: Path, on_tick: Callable[[int], None]) -> Callable[[int], None]:
+    """Return what is called at each tick: it raises OSError once the disk of a folder is nearly full."""
+
+    def checked(utime: int) -> None:
+        if shutil.disk_usage(folder).free < _MIN_FREE_BYTES:
+            raise OSError(errno.ENOSPC, f"less than {_MIN_FREE_BYTES >> 20} MiB would stay free")
+        on_tick(utime)
+
+    return checked
 
 
 def _about(recording: Recording) -> About | None:
@@ -154,9 +178,9 @@ def _why_not(recording: Recording, result: ReplayResult) -> str:
 def _kept_path(log: Path, plugins: Sequence[Path]) -> Path | None:
     """Return the place of the completed log in the cache; None without one that only this user may write.
 
-    What a replay depends on names it: the content of the log, of the graph and all plugin files beside it, of
-    ``plugins``, and the folder, from which relative paths lead. So the copy of a log beside other files does not become
-    what is shown of the original.
+    What a replay depends on names it: the version of graphnav, the content of the log, of the graph and all plugin
+    files beside it, of ``plugins``, and the folder, from which relative paths lead. So the copy of a log beside other
+    files does not become what is shown of the original.
     """
     folder = cache_folder()
     if folder is None:
@@ -171,7 +195,8 @@ def _kept_path(log: Path, plugins: Sequence[Path]) -> Path | None:
         beside = {path.resolve(): read_plugin(path) for path in (*plugins, log.parent / GRAPH) if path.is_file()}
     except OSError:
         return None
-    digest = hashlib.sha256(f"{log.parent.resolve()}\n{run_digest(log.parent.resolve(), beside)}\n".encode())
+    home = log.parent.resolve()
+    digest = hashlib.sha256(b"%s\n%s\n%s\n" % tuple(map(os.fsencode, (__version__, home, run_digest(home, beside)))))
     for part in parts_of(log):
         with part.open("rb") as file:
             while block := file.read(_CHUNK_BYTES):
@@ -193,7 +218,14 @@ def _keep(pending: Path, kept: Path | None) -> Path:
     if kept is None:
         return pending.rename(pending.with_name(f"full{_SUFFIX}"))
     pending.replace(kept)
-    logs = [(path.stat().st_mtime_ns, path.stat().st_size, path) for path in kept.parent.glob(f"*{_SUFFIX}")]
+    logs = []
+    for path in kept.parent.iterdir():
+        with suppress(OSError):  # another process removed it
+            found = path.stat()
+            if path.suffix == _SUFFIX:
+                logs.append((found.st_mtime_ns, found.st_size, path))
+            elif time.time() - found.st_mtime > _UNFINISHED_S:
+                path.unlink()
     n_bytes = sum(size for _, size, _ in logs)
     for _, size, path in sorted(logs):
         if n_bytes <= MAX_CACHE_BYTES or path == kept:

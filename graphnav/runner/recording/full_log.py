@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from graphnav.errors import LogError
+from graphnav.errors import LogError, shown_path
 from graphnav.record import LogWriter, Recording
 
 _NAME = ".full.lcmlog"
@@ -30,6 +31,7 @@ class FullLog:
         self._fd = -1
         self._folder = Path()
         self._looked_bytes = 0
+        self._is_given_up = False
 
     def open(self, folder: Path) -> None:
         """Begin the log, on the disk of a run folder."""
@@ -58,16 +60,22 @@ class FullLog:
             self._looked_bytes = self._writer.n_bytes
             self._look_at_disk()
 
-    def recording(self, log: Path) -> Recording:
+    def recording(self, log: Path, tell: Callable[[str], None]) -> Recording:
         """Return the recording of a run: ``log`` with everything that it leaves out, unless this log was given up.
 
-        Raises LogError if it cannot be read.
+        ``tell`` then gets a notice. Raises LogError if it cannot be read.
         """
         if self._writer is not None:
             try:
                 self._writer.flush()
             except LogError:
                 self._give_up()
+        if self._is_given_up:
+            folder = shown_path(log.parent)
+            tell(
+                f"the pictures show only what the log of {folder} holds: its disk has less than "
+                f"{_MIN_FREE_BYTES >> 20} MiB free\n  free space, then run: graphnav figure {folder}"
+            )
         return Recording(log, self._fd if self._fd >= 0 else None)
 
     def __enter__(self) -> Self:
@@ -91,3 +99,4 @@ class FullLog:
         if self._fd >= 0:
             os.close(self._fd)
         self._writer, self._fd = None, -1
+        self._is_given_up = True

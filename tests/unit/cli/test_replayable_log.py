@@ -17,6 +17,7 @@ from graphnav.cli import main
 from graphnav.cli.opened_log import complete
 from graphnav.record import LogWriter, Recording
 from graphnav.replay import completed_log
+from graphnav.runner.recording import full_log
 from graphnav.spy import Feed
 from graphnav.view import LogSource
 from graphnav.view.content.page_state import state_of
@@ -206,6 +207,54 @@ def test_a_full_cache_is_named_and_what_to_do(run: Run, capsys: Capture, monkeyp
         "  only what it holds is shown; free space there, or name another cache folder by XDG_CACHE_HOME\n"
     )
     assert not cached()
+
+
+def test_a_nearly_full_disk_is_not_filled(run: Run, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    run()
+    monkeypatch.setattr(completed_log, "_MIN_FREE_BYTES", 1 << 60)
+    assert main(["spy", "run", "--once"]) == 0
+    assert "MiB would stay free\n  what it holds is shown; free space there" in capsys.readouterr().err
+    assert not cached()
+
+
+def test_what_a_killed_process_left_is_removed(run: Run, capsys: Capture) -> None:
+    run()
+    folder = Path("cache/graphnav/logs")
+    folder.mkdir(parents=True, mode=0o700)
+    old, new = folder / ".old.1.1", folder / ".new.2.2"
+    for path in (old, new):
+        path.write_bytes(b"unfinished")
+    os.utime(old, (0, 0))
+    assert main(["hz", "run"]) == 0
+    assert MADE in capsys.readouterr().err
+    assert not old.exists()
+    assert new.exists()
+
+
+def test_a_run_in_a_folder_whose_name_is_not_utf_8_is_completed(run: Run, capsys: Capture) -> None:
+    folder = os.fsdecode(b"run\xff")
+    run(folder=folder)
+    assert main(["hz", folder]) == 0
+    assert "made again in" in capsys.readouterr().err
+    assert len(cached()) == 1
+
+
+def test_another_version_of_graphnav_makes_it_again(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    run()
+    assert main(["hz", "run"]) == 0
+    monkeypatch.setattr(completed_log, "__version__", "0.0.1")
+    assert main(["hz", "run"]) == 0
+    assert len(cached()) == 2
+
+
+def test_a_run_on_a_nearly_full_disk_says_what_its_pictures_lack(
+    run: Run, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(full_log, "_MIN_FREE_BYTES", 1 << 60)
+    run(folder="unused")
+    assert main(["run", "approach", "--until", "0.3", "--no-tap", "-o", "run"]) == 0
+    assert "the pictures show only what the log of run holds" in (said := capsys.readouterr().err)
+    assert said.endswith("free space, then run: graphnav figure run\n")
 
 
 def test_info_tells_it(run: Run, capsys: Capture) -> None:
