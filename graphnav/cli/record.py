@@ -95,18 +95,19 @@ def main(args: argparse.Namespace) -> int:
 def _opened(args: argparse.Namespace, url: str, path: Path, definitions: str) -> Recorder:
     """Return a recorder whose log is open; raise UserError if the file exists or cannot be written."""
     from graphnav.notices import print_notice
-    from graphnav.record.find_log import files_of
+    from graphnav.record.find_log import files_of, parts_of
     from graphnav.record.log_files import LogFiles
     from graphnav.recorder import Recorder
 
     channels = channels_of(args)
-    existing = files_of(path) if args.split is not None else [path] if path.exists() else []
+    existing = files_of(path) if args.split is not None else [part for part in parts_of(path) if part.exists()]
     if existing and not args.force:
         hint = "name another file with -o, or replace it with --force"
         raise UserError.of(f"{existing[0]} already exists", hint, Place("-o"))
     try:
-        for old in existing if args.split is not None else []:
-            old.unlink()
+        for old in existing:
+            if old != path:
+                old.unlink()
         return Recorder(
             url,
             path,

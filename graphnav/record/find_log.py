@@ -31,7 +31,8 @@ def numbered(path: Path, number: int) -> Path:
 def files_of(path: Path) -> list[Path]:
     """Return the existing files of a split recording, by number."""
     name = re.compile(rf"{re.escape(path.stem)}\.[0-9]{{4,}}{re.escape(path.suffix)}")
-    return sorted(file for file in path.parent.glob("*") if name.fullmatch(file.name))
+    found = (file for file in path.parent.glob("*") if name.fullmatch(file.name))
+    return sorted(found, key=lambda file: (len(file.name), file.name))  # number 10000 has a digit more
 
 
 def parts_of(log: Path) -> list[Path]:

@@ -30,9 +30,9 @@ class Split(NamedTuple):
 class LogFiles:
     """A log in one file, or, with ``split``, in numbered files of which the newest ``rotate`` are kept.
 
-    Each file after the first begins with the newest description of a run. The first file has the number 0; without
-    ``numbers_first`` it has the name of ``path`` itself. ``free_quota_bytes``: the recording ends when
-    less disk space is free. ``free_bytes`` returns the free disk space.
+    Each file after the first begins with the newest description of a run, and so does a file that lost its own when the
+    disk was full. The first file has the number 0; without ``numbers_first`` it has the name of ``path`` itself.
+    ``free_quota_bytes``: the recording ends when less disk space is free. ``free_bytes`` returns the free disk space.
 
     Raises OSError if the first file cannot be opened, LogError if less is free at the start.
     """
@@ -55,6 +55,8 @@ class LogFiles:
         self._about = b""
         self._n_events = self._n_bytes = self._n_copies = 0
         self._begin_us: int | None = None
+        self._before_us: int | None = None
+        """The timestamp of the last event of the file before."""
         self.paths = [numbered(path, 0) if split is not None and numbers_first else path]
         """Existing files, oldest first."""
         if free_quota_bytes is not None:
@@ -68,8 +70,8 @@ class LogFiles:
 
     @property
     def last_us(self) -> int | None:
-        """The timestamp of the last event of the newest file, None without one."""
-        return self._log.last_us
+        """The timestamp of the last event, None without one."""
+        return self._before_us if self._log.last_us is None else self._log.last_us
 
     @property
     def n_bytes(self) -> int:
@@ -97,9 +99,9 @@ class LogFiles:
     def resume(self, room_bytes: int = 0) -> None:
         """Accept events again after a write error; raises LogError if the disk has not ``room_bytes`` for more."""
         self._log.resume(room_bytes)
-        if self._log.n_events == 0:  # the copy of the description was lost, too
+        if self._log.n_events == 0:  # the description was lost, too
             self._n_copies = 0
-            if self._about and self._number:
+            if self._about:
                 self._copy_about(self._begin_us or 0)
 
     def close(self) -> None:
@@ -122,6 +124,7 @@ class LogFiles:
         except OSError as error:
             raise LogError(f"{path}: {error.strerror}") from error
         self._log.close()
+        self._before_us = self._log.last_us
         self._n_events, self._n_bytes = self.n_events, self.n_bytes
         self._log, self._n_copies = following, 0
         self._number += 1

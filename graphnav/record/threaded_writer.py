@@ -69,7 +69,7 @@ class LogGap(NamedTuple):
 
 
 class _Pause(NamedTuple):
-    """Why events are dropped at present; the timestamps of the last event in the log and of the last one dropped.
+    """Why events are dropped at present, and the timestamp of the last event in the log, or else of the first lost.
 
     ``failure`` names the log, ``reason`` is what the system says.
     """
@@ -77,7 +77,6 @@ class _Pause(NamedTuple):
     failure: str
     reason: str
     from_us: int
-    until_us: int
 
 
 class ThreadedLogWriter:
@@ -111,6 +110,8 @@ class ThreadedLogWriter:
         """Events that were given, those that were not queued, and those that the thread took from the queue."""
         self._lost = self._told = 0
         """Of those taken, the ones that are not in the log, and the ones that ``gaps`` tell."""
+        self._first_us = self._last_us = 0
+        """The timestamps of the first and of the last event that the thread took."""
         self._pause: _Pause | None = None
         self._wait_s, self._retry_s, self._resumed_s = _RETRY_S, 0.0, -math.inf
         self._queued_bytes = 0
@@ -171,7 +172,7 @@ class ThreadedLogWriter:
             try:
                 while (events := self._next()) is not None:
                     self._write_all(events)
-                if self._pause is not None and not self._resumes(self._pause.until_us):
+                if self._pause is not None and not self._resumes(self._last_us):
                     self._fail(self._pause.failure)
             finally:
                 self._log.close()
@@ -196,6 +197,8 @@ class ThreadedLogWriter:
     def _write_all(self, events: list[tuple[str, int, bytes]]) -> None:
         """Write events, or flush if there are none; drop them while the disk refuses them."""
         n_done = 0
+        if events:
+            self._first_us, self._last_us = self._first_us if self._taken else events[0][1], events[-1][1]
         try:
             if not events and self._pause is None:
                 self._log.flush()
@@ -212,23 +215,21 @@ class ThreadedLogWriter:
             if not isinstance(cause, OSError):
                 raise
             reason = cause.strerror or str(cause)
-            self._begin_pause(str(error), reason, events[n_done][1] if events else 0)
+            self._begin_pause(str(error), reason)
         rest = events[n_done:]
         with self._changed:
             self._taken += len(events)
             self._queued_bytes -= sum(len(data) + _EVENT_BYTES for _, _, data in rest)
             self._lost = self._taken - (self._log.n_events - len(self.gaps))
-        if rest and self._pause is not None:
-            self._pause = self._pause._replace(until_us=rest[-1][1])
 
-    def _begin_pause(self, failure: str, reason: str, utime: int) -> None:
-        """Begin to drop events, from one with this timestamp on."""
+    def _begin_pause(self, failure: str, reason: str) -> None:
+        """Begin to drop events."""
         now_s = time.monotonic()
         is_again = now_s - self._resumed_s < _STEADY_S
         self._wait_s = min(2 * self._wait_s, _MAX_RETRY_S) if is_again else _RETRY_S
         self._retry_s = now_s + self._wait_s
         last_us = self._log.last_us
-        self._pause = _Pause(failure, reason, utime if last_us is None else last_us, utime)
+        self._pause = _Pause(failure, reason, self._first_us if last_us is None else last_us)
         self._notice(f"{failure}; messages are dropped until the disk takes them")
 
     def _resumes(self, utime: int) -> bool:

@@ -22,7 +22,7 @@ from graphnav.bus import GROUP, Bus
 from graphnav.cli import main
 from graphnav.codec import encode
 from graphnav.messages import About, Image, Stop, Twist
-from graphnav.record import ABOUT, ChannelFilter, Recording, ThreadedLogWriter
+from graphnav.record import ABOUT, LOG, ChannelFilter, Recording, ThreadedLogWriter
 from graphnav.recorder import ReceiveStatistics, Recorder
 
 from .conftest import TOOLS
@@ -333,6 +333,18 @@ def test_parts_of_an_older_recording_are_kept_unless_they_are_to_be_replaced(
     assert capsys.readouterr().err.startswith(f"-o: {old} already exists\n")
     assert main([*words, "--force"]) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["drive.0000.lcmlog"]
+
+
+def test_later_parts_of_a_run_are_not_read_as_those_of_a_new_log(
+    tmp_path: Path, group: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old = tmp_path / "run.0001.lcmlog"
+    old.write_text("precious")
+    words = ["record", group, "-o", str(tmp_path / LOG), "--for", "0.1"]
+    assert main(words) == 2
+    assert capsys.readouterr().err.startswith(f"-o: {old} already exists\n")
+    assert main([*words, "--force"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == [LOG]
 
 
 @pytest.mark.parametrize(

@@ -8,14 +8,18 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from graphnav.messages import Gap
-from graphnav.record import GAP, LogGap, LogWriter, Recording, ThreadedLogWriter, threaded_writer
+from graphnav.codec import encode
+from graphnav.messages import About, Gap
+from graphnav.record import ABOUT, GAP, LOG, LogGap, LogWriter, Recording, ThreadedLogWriter, threaded_writer
 from graphnav.record.find_log import files_of, numbered
 from graphnav.record.log_files import LogFiles, Split
+from graphnav.runner.recording.kept_messages import open_log
+from graphnav.spec import RunOptions
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
@@ -152,11 +156,11 @@ def test_once_the_disk_has_room_the_recording_goes_on_and_tells_the_gap(
     monkeypatch.setattr(threaded_writer, "_RETRY_S", 0.0)
     notices: list[str] = []
 
-    def open_log(path: Path) -> LogFiles:
+    def open_files(path: Path) -> LogFiles:
         return LogFiles(path, Split(n_bytes=50_000) if n_parts else None)
 
     with disk_of(20_000):
-        log = ThreadedLogWriter(tmp_path / "log", notice=notices.append, open_log=open_log)
+        log = ThreadedLogWriter(tmp_path / "log", notice=notices.append, open_log=open_files)
         for k in range(30):
             log.write("x", 10 + k, bytes(1000))
         wait_until(lambda: log.dropped == 30 - 20_000 // 1029)
@@ -181,6 +185,27 @@ def test_once_the_disk_has_room_the_recording_goes_on_and_tells_the_gap(
                 assert gaps == []
     assert found == kept
     assert notices[1] == f"{tmp_path / 'log'}: recording again; 11 messages of 0.0 s are missing"
+
+
+@pytest.mark.parametrize("option", [{}, {"rotate_s": 60.0}])
+def test_a_log_that_lost_its_description_gets_it_again(
+    disk_of: DiskOf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: dict[str, float]
+) -> None:
+    monkeypatch.setattr(threaded_writer, "_RETRY_S", 0.0)
+    about = About("stages: {}", "", run_id="", seed=7, channels=("x",), types=("graphnav_lcm.twist_t",))
+    with disk_of(10):
+        log = ThreadedLogWriter(tmp_path / LOG, open_log=partial(open_log, RunOptions(**option)))
+        log.write(ABOUT, 5, encode(about, 5, 0))
+        for k in range(30):
+            log.write("x", 10 + k, bytes(1000))
+        wait_until(lambda: log.dropped == 31)
+    log.write("x", 50, bytes(1000))
+    log.close()
+    assert (log.failure, log.dropped, log.gaps) == ("", 31, [LogGap(5, 50, 31)])
+    with Recording(tmp_path / LOG) as recording:
+        assert recording.about is not None
+        assert recording.about.graph_yaml == about.graph_yaml
+        assert [(event.channel, event.utime) for event in recording.events()] == [(ABOUT, 5), (GAP, 50), ("x", 50)]
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from graphnav.graph import Channel, Graph, Node
-from graphnav.record import SMALL_BYTES, LogWriter
+from graphnav.record import SMALL_BYTES
 from graphnav.record.log_files import LogFiles, Split
 from graphnav.record.threaded_writer import Log
 from graphnav.runner.owned_stages import Sink
@@ -32,8 +32,6 @@ def record_option(given: RecordOption | None, *, is_live: bool) -> RecordOption:
 
 def open_log(run: RunOptions, path: Path) -> Log:
     """Open the log of a run, in one file, or in several as its options say; raises OSError if that is not possible."""
-    if run.rotate_mb is None and run.rotate_s is None:
-        return LogWriter(path)
     n_bytes = None if run.rotate_mb is None else round(run.rotate_mb * 1e6)
     us = None if run.rotate_s is None else round(run.rotate_s * 1e6)
     return LogFiles(path, Split(n_bytes, us), numbers_first=False)

@@ -11,9 +11,9 @@ import pytest
 from graphnav.codec import decode, encode
 from graphnav.errors import LogError
 from graphnav.messages import About
-from graphnav.record import ABOUT, Recording
+from graphnav.record import ABOUT, LOG, Recording
 from graphnav.record.about_first import WAIT_S, AboutFirst
-from graphnav.record.find_log import files_of, numbered
+from graphnav.record.find_log import files_of, numbered, parts_of
 from graphnav.record.log_files import LogFiles, Split
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
@@ -134,6 +134,14 @@ def test_only_parts_of_the_same_recording_are_found(tmp_path: Path) -> None:
         (tmp_path / name).touch()
     assert [path.name for path in files_of(tmp_path / "a.lcmlog")] == ["a.0000.lcmlog", "a.0001.lcmlog"]
     assert numbered(Path("x/drive"), 12) == Path("x/drive.0012")
+
+
+def test_parts_are_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+    log = tmp_path / LOG
+    parts = [log, *(numbered(log, number) for number in (1, 9999, 10_000, 10_001, 100_000))]
+    for part in parts:
+        part.touch()
+    assert parts_of(log) == parts
 
 
 class Time:
