@@ -196,7 +196,7 @@ def _kept_path(log: Path, plugins: Sequence[Path]) -> Path | None:
     except OSError:
         return None
     home = log.parent.resolve()
-    digest = hashlib.sha256(b"%s\n%s\n%s\n" % tuple(map(os.fsencode, (__version__, home, run_digest(home, beside)))))
+    digest = hashlib.sha256(os.fsencode(f"{__version__}\n{home}\n{run_digest(home, beside)}\n"))
     for part in parts_of(log):
         with part.open("rb") as file:
             while block := file.read(_CHUNK_BYTES):

@@ -187,14 +187,14 @@ def test_once_the_disk_has_room_the_recording_goes_on_and_tells_the_gap(
     assert notices[1] == f"{tmp_path / 'log'}: recording again; 11 messages of 0.0 s are missing"
 
 
-@pytest.mark.parametrize("option", [{}, {"rotate_s": 60.0}])
+@pytest.mark.parametrize("rotate_s", [None, 60.0])
 def test_a_log_that_lost_its_description_gets_it_again(
-    disk_of: DiskOf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: dict[str, float]
+    disk_of: DiskOf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rotate_s: float | None
 ) -> None:
     monkeypatch.setattr(threaded_writer, "_RETRY_S", 0.0)
     about = About("stages: {}", "", run_id="", seed=7, channels=("x",), types=("graphnav_lcm.twist_t",))
     with disk_of(10):
-        log = ThreadedLogWriter(tmp_path / LOG, open_log=partial(open_log, RunOptions(**option)))
+        log = ThreadedLogWriter(tmp_path / LOG, open_log=partial(open_log, RunOptions(rotate_s=rotate_s)))
         log.write(ABOUT, 5, encode(about, 5, 0))
         for k in range(30):
             log.write("x", 10 + k, bytes(1000))
