@@ -235,7 +235,7 @@ def test_a_run_in_a_folder_whose_name_is_not_utf_8_is_completed(run: Run, capsys
     folder = os.fsdecode(b"run\xff")
     run(folder=folder)
     assert main(["hz", folder]) == 0
-    assert "made again in" in capsys.readouterr().err
+    assert "recomputed them in" in capsys.readouterr().err
     assert len(cached()) == 1
 
 
