@@ -20,11 +20,10 @@ from typing import Any
 import cv2
 from threadpoolctl import threadpool_limits
 
-from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph
 from graphnav.record import LogWriter
-from graphnav.runner import Runner
+from graphnav.runner import Lockstep
 from graphnav.runner.recording.kept_messages import SmallOnly
 
 SIZES = ((80, 60), (160, 120), (320, 240), (640, 480), (1280, 720))
@@ -66,7 +65,7 @@ def passing_graph(count: int) -> dict[str, Any]:
     return {"stages": stages}
 
 
-def runner_of(graph: dict[str, Any], scratch: Path, *, small: bool = False) -> tuple[Runner, LogWriter]:
+def lockstep_of(graph: dict[str, Any], scratch: Path, *, small: bool = False) -> tuple[Lockstep, LogWriter]:
     """Return a run of a graph, reset, and its log."""
     path = scratch / "graph.yaml"
     path.write_text(json.dumps(graph))
@@ -74,17 +73,17 @@ def runner_of(graph: dict[str, Any], scratch: Path, *, small: bool = False) -> t
     catalog.add_file(PASSING)
     loaded = load_graph(path, catalog)
     writer = LogWriter(scratch / "run.lcmlog")
-    runner = Runner(loaded, loaded.make_stages(), Bus("memq://"), [SmallOnly(writer) if small else writer])
-    runner.reset(1)
-    return runner, writer
+    lockstep = Lockstep(loaded, loaded.make_stages(), [SmallOnly(writer) if small else writer])
+    lockstep.reset(1)
+    return lockstep, writer
 
 
-def tick_s(runner: Runner, ticks: int) -> float:
+def tick_s(lockstep: Lockstep, ticks: int) -> float:
     """Return the median processor time of a tick, s."""
     times = []
     for _ in range(ticks):
         begin = time.process_time()
-        runner.tick()
+        lockstep.tick()
         times.append(time.process_time() - begin)
     return statistics.median(times)
 
@@ -96,14 +95,14 @@ def pixels() -> Iterator[str]:
     last: tuple[int, float] | None = None
     for size in SIZES:
         with tempfile.TemporaryDirectory() as scratch:
-            runner, writer = runner_of(seeing_graph(size, taught=False), Path(scratch))
-            tick_s(runner, _WARM_UP)
-            spent = {name: unit.durations.total_s for name, unit in runner.units.items()}
+            lockstep, writer = lockstep_of(seeing_graph(size, taught=False), Path(scratch))
+            tick_s(lockstep, _WARM_UP)
+            spent = {name: unit.durations.total_s for name, unit in lockstep.engine.units.items()}
             begin = time.perf_counter()
-            each_s = tick_s(runner, _PIXEL_TICKS)
+            each_s = tick_s(lockstep, _PIXEL_TICKS)
             mean_s = (time.perf_counter() - begin) / _PIXEL_TICKS
-            spent = {n: (u.durations.total_s - spent[n]) / _PIXEL_TICKS for n, u in runner.units.items()}
-            runner.close()
+            spent = {n: (u.durations.total_s - spent[n]) / _PIXEL_TICKS for n, u in lockstep.engine.units.items()}
+            lockstep.engine.close()
             writer.close()
         count = size[0] * size[1]
         exponent = "" if last is None else f"{math.log(each_s / last[1]) / math.log(count / last[0]):.2f}"
@@ -119,10 +118,10 @@ def stages() -> Iterator[str]:
     yield "|---|---|---|"
     for count in COUNTS:
         with tempfile.TemporaryDirectory() as scratch:
-            runner, writer = runner_of(passing_graph(count), Path(scratch))
-            tick_s(runner, _WARM_UP)
-            each_us = 1e6 * tick_s(runner, _STAGE_TICKS)
-            runner.close()
+            lockstep, writer = lockstep_of(passing_graph(count), Path(scratch))
+            tick_s(lockstep, _WARM_UP)
+            each_us = 1e6 * tick_s(lockstep, _STAGE_TICKS)
+            lockstep.engine.close()
             writer.close()
         yield f"| {count} | {each_us:.0f} | {each_us / (count + 1):.1f} |"
 
@@ -132,13 +131,13 @@ def length() -> Iterator[str]:
     yield "| minute of the run | ms a tick | resident memory, MB |"
     yield "|---|---|---|"
     with tempfile.TemporaryDirectory() as scratch:
-        runner, writer = runner_of(seeing_graph((160, 120), taught=True), Path(scratch), small=True)
+        lockstep, writer = lockstep_of(seeing_graph((160, 120), taught=True), Path(scratch), small=True)
         for minute in range(1, max(MINUTES) + 1):
-            each_ms = 1e3 * tick_s(runner, 60 * RATE_HZ)
+            each_ms = 1e3 * tick_s(lockstep, 60 * RATE_HZ)
             if minute in MINUTES:
                 peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
                 yield f"| {minute} | {each_ms:.2f} | {peak_mb:.0f} |"
-        runner.close()
+        lockstep.engine.close()
         writer.close()
 
 

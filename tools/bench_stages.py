@@ -27,11 +27,9 @@ import numpy as np
 
 import graphnav
 from graphnav import Latest, Stage
-from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.codec import decode
 from graphnav.graph import load_graph
-from graphnav.runner import Runner
 
 GRAPH, SEED, TICKS, WARM_UP = "corridor_ccw", 3, 120, 10
 STEER = {"about": "zero", "strength": "gradient", "gain": 16.0}
@@ -59,13 +57,15 @@ class Inputs:
 
 def record(folder: Path) -> None:
     """Drive, and save the inputs of the ticks that have a flow."""
+    from graphnav.runner import Lockstep  # noqa: PLC0415 - the older version, which only times, has no such name
+
     graph = load_graph(GRAPH, Catalog())
     inputs = Inputs({channel.name: channel.message for channel in graph.channels.values()})
-    runner = Runner(graph, graph.make_stages(), Bus("memq://"), [inputs])
-    runner.reset(SEED)
+    lockstep = Lockstep(graph, graph.make_stages(), [inputs])
+    lockstep.reset(SEED)
     for _ in range(TICKS + WARM_UP):
-        runner.tick()
-    runner.close()
+        lockstep.tick()
+    lockstep.engine.close()
     first_map = next(tick["map"] for tick in inputs.ticks.values() if "map" in tick)
     ticks = [(utime, tick | {"map": first_map}) for utime, tick in sorted(inputs.ticks.items()) if "flow" in tick]
     (folder / "ticks.pickle").write_bytes(pickle.dumps(ticks))

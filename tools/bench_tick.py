@@ -18,12 +18,11 @@ from typing import Any
 import lcm
 from hand_written_loop import HandWrittenLoop
 
-from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.graph import Graph, load_graph
 from graphnav.record import LogWriter
-from graphnav.runner import Runner
-from graphnav.runner.owned_stages import Sink
+from graphnav.runner import Lockstep
+from graphnav.runner.engine import Sink
 from graphnav.tap import Tap
 
 GRAPH = "corridor_ccw"
@@ -156,11 +155,11 @@ def _recorded(graph: Graph) -> Recorded:
     recorded: Recorded = {name: [] for name in stages}
     for name, stage in stages.items():
         stage.step = _recording(stage.step, recorded[name])
-    runner = Runner(graph, stages, Bus("memq://"), [])
-    runner.reset(SEED)
+    lockstep = Lockstep(graph, stages, [])
+    lockstep.reset(SEED)
     for _ in range(3):
-        runner.tick()
-    runner.close()
+        lockstep.tick()
+    lockstep.engine.close()
     return recorded
 
 
@@ -188,14 +187,14 @@ def _returning(results: list[Any]) -> Callable[..., Any]:
 
 
 def _timed(graph: Graph, recorded: Recorded, log: Path, sinks: Sequence[Sink], cleanup: ExitStack) -> Timed:
-    """Return a runner that also writes a log, reset and ready to tick."""
+    """Return a run that also writes a log, reset and ready to tick."""
     writer = LogWriter(log)
     cleanup.callback(writer.close)
-    runner = Runner(graph, _stages(graph, recorded), Bus("memq://"), [writer, *sinks])
-    cleanup.callback(runner.close)
-    runner.reset(SEED)
-    units = tuple(runner.units.values())
-    return Timed(runner.tick, lambda: sum(unit.durations.total_s for unit in units))
+    lockstep = Lockstep(graph, _stages(graph, recorded), [writer, *sinks])
+    cleanup.callback(lockstep.engine.close)
+    lockstep.reset(SEED)
+    units = tuple(lockstep.engine.units.values())
+    return Timed(lockstep.tick, lambda: sum(unit.durations.total_s for unit in units))
 
 
 def _same_events(one: Path, other: Path) -> bool:

@@ -78,16 +78,22 @@ class HandWrittenLoop:
         inbox = self._inbox
         flow, nothing = inbox["flow.flow"][1], Latest[Any](is_connected=False)
         self._send("planar.planar", self._step("planar", flow=flow, motion=inbox["robot.motion"][1]))
-        self._send("plane.plane", self._step("plane", flow=flow, planar=inbox["planar.planar"][1], stamp=utime))
+        judged = self._step("plane", flow=flow, planar=inbox["planar.planar"][1], stamp=utime)
+        self._send("plane.plane", judged.plane)
         steered = self._step("steer", plane=inbox["plane.plane"][1], goal=nothing, planar=nothing)
         self._send("steer.steering", steered.steering)
         self._send("steer.potential", steered.potential)
-        self._send("control.twist", self._step("control", steering=inbox["steer.steering"][1], stamp=utime))
+        self._send(
+            "control.twist", self._step("control", steering=inbox["steer.steering"][1], stamp=utime, map=nothing)
+        )
         guarded = self._step(
             "guard",
             command=inbox["control.twist"][1],
             plane=self._newest("plane.plane"),
             image=self._newest("robot.image"),
+            flow=self._newest("flow.flow"),
+            motion=nothing,
+            odometry=nothing,
             override=nothing,
             stop=nothing,
             utime=utime,

@@ -1,22 +1,23 @@
 """Tick a graph by turns: ``python tools/tick_turns.py GRAPH LOG SEED`` ticks N times for each line N of its input.
 
-It answers each line with the wall time and the processor time of a tick, in s, as JSON, and uses only what all versions
-of graphnav have, so that two versions can take turns. A run that ends begins again with the next seed.
+It answers each line with the wall time and the processor time of a tick, in s, as JSON, and runs with older versions of
+graphnav, too, so that two versions can take turns. A run that ends begins again with the next seed.
 """
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 from graphnav.bus import Bus
 from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.graph import Graph, load_graph
 from graphnav.record import LogWriter
-from graphnav.runner import Runner
 
 
 class Ticker:
@@ -25,7 +26,6 @@ class Ticker:
     def __init__(self, graph: str, log: Path, seed: int) -> None:
         self._graph = load_graph(graph, Catalog())
         self._log, self._seed = log, seed
-        self._bus = Bus("memq://")
         self._begin()
 
     def turn(self, ticks: int) -> dict[str, float]:
@@ -34,7 +34,7 @@ class Ticker:
         until = self._graph.run.until_s or 60.0
         ended = False
         for _ in range(ticks):
-            if self._runner.tick() or self._runner.utime > until * 1e6:
+            if self._runner.tick() or self._runner.next_utime > until * 1e6:
                 ended = True
                 break
         self._writer.flush()
@@ -46,16 +46,22 @@ class Ticker:
 
     def _begin(self) -> None:
         self._writer = LogWriter(self._log)
-        self._runner = Runner(self._graph, self._graph.make_stages(), self._bus, [self._writer])
+        self._runner = _run(self._graph, self._writer)
         self._runner.reset(self._seed)
 
     def _end(self) -> None:
-        self._runner.close()
+        getattr(self._runner, "engine", self._runner).close()
         self._writer.close()
         self._seed += 1
-        self._bus.close()
-        self._bus = Bus("memq://")
         self._begin()
+
+
+def _run(graph: Graph, writer: LogWriter) -> Any:
+    """Return the runner of a graph, by its name in this version."""
+    module = importlib.import_module("graphnav.runner")
+    if hasattr(module, "Lockstep"):
+        return module.Lockstep(graph, graph.make_stages(), [writer])
+    return module.Runner(graph, graph.make_stages(), Bus("memq://"), [writer])
 
 
 def main() -> None:

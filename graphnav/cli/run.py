@@ -96,7 +96,8 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.report.folder import make_run_folder, removed_if_empty
     from graphnav.report.table import print_summary
     from graphnav.runner.recording.full_log import FullLog
-    from graphnav.runner.recording.run_recorded import SUMMARY, new_run_id
+    from graphnav.runner.recording.run_recorded import new_run_id
+    from graphnav.runner.recording.summary import SUMMARY
 
     catalog, graph = load(args)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
@@ -131,7 +132,7 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
     from graphnav.report.pictures import draw_all
     from graphnav.run_folder import GRAPH, LOG
     from graphnav.runner.recording.log_forecast import size_text
-    from graphnav.runner.recording.run_recorded import SUMMARY
+    from graphnav.runner.recording.summary import SUMMARY
 
     files, pictures = [LOG, GRAPH, SUMMARY], list[str]()
     wants_pictures = bool(summary.frames) and not args.no_pictures

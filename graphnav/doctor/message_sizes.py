@@ -6,10 +6,9 @@ import time
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from graphnav.bus import Bus
 from graphnav.graph import Graph
 from graphnav.interrupts import third_party_code
-from graphnav.runner import Runner
+from graphnav.runner import Lockstep
 from graphnav.stage import Source
 
 _TICKS = 3
@@ -73,14 +72,12 @@ def _measured(graph: Graph) -> dict[str, int]:
     if not sources or any(isinstance(source, Source) and source.is_remote() for source in sources):
         return {}
     largest = _Largest()
-    bus = Bus()
-    runner = Runner(graph, stages, bus, [largest])
+    lockstep = Lockstep(graph, stages, [largest])
     end_s = time.monotonic() + _MAX_S
     try:
         with third_party_code():
-            runner.reset(graph.run.seed)
-            runner.run(before_tick=lambda _: runner.ticks < _TICKS and time.monotonic() < end_s)
+            lockstep.reset(graph.run.seed)
+            lockstep.run(before_tick=lambda _: lockstep.engine.ticks < _TICKS and time.monotonic() < end_s)
     finally:
-        runner.close()
-        bus.close()
+        lockstep.engine.close()
     return largest.n_bytes

@@ -11,8 +11,8 @@ from graphnav.graph import Graph
 from graphnav.live.firing import FIRED
 from graphnav.messages import About
 from graphnav.record import GAP
-from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recording.run_recorded import about_of
+from graphnav.runner.status import STATUS
 
 
 def live_about(graph: Graph, *, by_outside_names: bool) -> About:

@@ -16,7 +16,7 @@ from graphnav.graph import Graph, OutputChannel
 from graphnav.live.health.observer import Observer
 from graphnav.live.inputs.packet_sources import PacketSources
 from graphnav.live.inputs.receiver import Receiver, Takes
-from graphnav.live.live_runner import LiveRunner
+from graphnav.live.live_schedule import LiveSchedule
 from graphnav.live.outlet import Outlet, bus_send, motor_channel
 from graphnav.motors.schedule import STOP_FOR_S, STOP_PERIOD_S
 from graphnav.motors.sender import MotorSender
@@ -84,7 +84,7 @@ class MotorLink:
 @contextmanager
 def opened(
     graph: Graph,
-    runner: LiveRunner,
+    schedule: LiveSchedule,
     url: str,
     wake: threading.Event,
     observer: Observer,
@@ -97,7 +97,7 @@ def opened(
     with ExitStack() as cleanup:
         motor = {ref: target for ref, target in graph.outputs.items() if target.motor}
         listened: list[tuple[str, Takes]] = [(target.name, observer.traffic) for target in motor.values()]
-        heard = [one for one in runner.intakes.values() if one.source.log is None]
+        heard = [one for one in schedule.intakes.values() if one.source.log is None]
         listened += [(one.source.name, one.mailbox) for one in heard]
         if listened:
             receiver = observer.receiver = Receiver(url, listened, wake)
@@ -114,10 +114,14 @@ def opened(
             if any(target.channel.message.grid for target in others.values()):
                 bus.expect_large()
             send = bus_send(bus, observer.tell)
-            runner.outlets |= {ref: Outlet(target, runner.clock, send, bus.overtaken) for ref, target in others.items()}
+            schedule.outlets |= {
+                ref: Outlet(target, schedule.clock, send, bus.overtaken) for ref, target in others.items()
+            }
         motors = None
         if motor:
             motors = MotorLink(url, list(motor.values()), observer)
             cleanup.callback(motors.close)
-            runner.outlets |= {ref: Outlet(target, runner.clock, motors.sender.send) for ref, target in motor.items()}
+            schedule.outlets |= {
+                ref: Outlet(target, schedule.clock, motors.sender.send) for ref, target in motor.items()
+            }
         yield motors

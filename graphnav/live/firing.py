@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,14 @@ class Used(NamedTuple):
     utime: int
     age_s: float = 0.0
     fault: str = ""
+
+
+class Taken(NamedTuple):
+    """The inputs of a step by port, the age of the plain ones in seconds, and their messages."""
+
+    inputs: dict[str, Any]
+    age_s: float
+    used: Sequence[Used]
 
 
 def encoded_firing(fired_us: int, stage: str, utime: int, seq: int, age_s: float, used: Sequence[Used]) -> bytes:

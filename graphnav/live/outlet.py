@@ -54,7 +54,7 @@ class Outlet:
         return self._accepted - self.overtaken
 
     def publish(self, message: Message, data: bytes, utime: int, birth_s: float, origin_s: float) -> None:
-        """Send a message; ``data``: its bytes in graphnav's own type; ``birth_s``, ``origin_s``: see `LiveUnit`.
+        """Send a message; ``data``: its bytes in graphnav's own type; ``birth_s``, ``origin_s``: see `LiveInbox`.
 
         Raises
         ------

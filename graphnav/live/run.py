@@ -12,7 +12,6 @@ from graphnav.bus import same_group
 from graphnav.codec import encode
 from graphnav.errors import GraphnavError
 from graphnav.graph import Graph
-from graphnav.interrupts import CtrlC, working_folder_restored
 from graphnav.live.about import live_about
 from graphnav.live.clock import LiveClock
 from graphnav.live.connections import opened
@@ -21,23 +20,21 @@ from graphnav.live.health.status import Losses
 from graphnav.live.health.watchdog import Watchdog
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.playback import Playback
-from graphnav.live.live_runner import LiveRunner
+from graphnav.live.live_schedule import LiveSchedule
 from graphnav.live.url import live_url
 from graphnav.messages import Status
 from graphnav.notices import print_notice
 from graphnav.record import ABOUT, LOG, ThreadedLogWriter
+from graphnav.runner.engine import Outcome, Sink
 from graphnav.runner.interrupt import Interrupt
-from graphnav.runner.lockstep import Outcome
-from graphnav.runner.lockstep_status import STATUS
-from graphnav.runner.owned_stages import Sink
-from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.kept_messages import ChannelsExcept, kept, open_log
-from graphnav.runner.recording.progress_file import ProgressFile
-from graphnav.runner.recording.run_recorded import LiveSink, raise_if_asked_late, write_summary
+from graphnav.runner.recording.recorded_run import Measured, RecordedRun
+from graphnav.runner.recording.run_recorded import LiveSink
 from graphnav.runner.recording.saved_graph import save_graph
-from graphnav.runner.recording.stall import StallLimit, StallWatch, stall_error
-from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
-from graphnav.runner.stage_calls import Call, StageCalls
+from graphnav.runner.recording.stall import StallLimit
+from graphnav.runner.recording.summary import Summary
+from graphnav.runner.stage_calls import StageCalls
+from graphnav.runner.status import STATUS
 from graphnav.stage import Stage
 
 
@@ -71,61 +68,37 @@ def run_live(
     CtrlC
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
-    folder = folder.absolute()
-    run = _LiveRun(graph, folder, live_url(graph, url), Failures(on_failure), tap)
-    with ProgressFile(folder, {}) as progress, Interrupt() as interrupt:
-        try:
-            with working_folder_restored(), ExitStack() as cleanup:
-                run.watch(stall, run_id, progress, cleanup)
-                run.begin(stages, keep, run_id, notice, cleanup)
-                run.perform(on_time, interrupt, lambda: interrupt.poll() or should_stop())
-        except CtrlC:  # while it ended, such as in a stage that does not close
-            if not run.is_begun:
-                raise
-            run.outcome = Outcome.STOPPED
-        summary = run.summary(run_id)
-        write_summary(summary, folder)
-        raise_if_asked_late(interrupt, summary)
-    return summary
+    run = _LiveRun(graph, folder.absolute(), live_url(graph, url), tap, run_id, on_failure)
+
+    def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
+        run.begin(stages, keep, notice, calls, cleanup)
+        run.perform(on_time, interrupt, lambda: interrupt.poll() or should_stop())
+
+    return run.record.conduct(run_with, stall, {})
 
 
 class _LiveRun:
     """A run in progress, from the first event of its log to its summary."""
 
-    def __init__(self, graph: Graph, folder: Path, url: str, failures: Failures, tap: LiveSink | None) -> None:
-        self._graph, self._folder, self._url, self._failures, self._tap = graph, folder, url, failures, tap
+    def __init__(
+        self,
+        graph: Graph,
+        folder: Path,
+        url: str,
+        tap: LiveSink | None,
+        run_id: str,
+        on_failure: Callable[[GraphnavError], None],
+    ) -> None:
+        self._graph, self._folder, self._url, self._tap, self._run_id = graph, folder, url, tap, run_id
+        self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured)
         self._wake = threading.Event()
-        self._calls = StageCalls()
-        self.outcome: str = Outcome.FAILED
-        self._scores: dict[str, dict[str, float]] = {}
-        self.is_begun = False
-        """Whether the stages are wired, so that there is something to summarise."""
-
-    def watch(self, stall: StallLimit | None, run_id: str, progress: ProgressFile, cleanup: ExitStack) -> None:
-        """End the process if a call into a stage does not return."""
-        if stall is None:
-            return
-        limit = stall
-
-        def finish(call: Call) -> None:
-            """Write what the thread of the run cannot write any more."""
-            with self._failures.noted():
-                raise stall_error(self._graph, call, limit.seconds, self._clock.start_utime)
-            self._observer.finish()
-            self._writer.close()
-            summary = self.summary(run_id)
-            self._failures.close(lambda: write_summary(summary, self._folder))
-            progress.remove()
-            limit.on_stall(summary)
-
-        cleanup.enter_context(StallWatch(self._calls, limit.seconds, finish))
 
     def begin(
         self,
         stages: dict[str, Stage],
         keep: Collection[str] | None,
-        run_id: str,
         notice: Callable[[str], None],
+        calls: StageCalls,
         cleanup: ExitStack,
     ) -> None:
         """Open the logs that are written and played and wire the stages; ``cleanup`` gets what closes all that."""
@@ -140,40 +113,38 @@ class _LiveRun:
             self._folder / LOG, notice=notice, open_log=partial(open_log, graph.run)
         )
         cleanup.callback(writer.close)
-        self._runner = LiveRunner(graph, stages, self._clock, intakes, self._wake)
-        for unit in self._runner.units.values():
-            unit.calls = self._calls
-        cleanup.callback(self._failures.close, self._runner.close)
-        sinks = [kept(graph, writer, keep, is_live=True), *_watched(graph, tap, self._url)]
-        self._runner.log_to(sinks, writer if keep is None else None)
         if tap is not None:
             cleanup.callback(tap.close)
+        sinks = [kept(graph, writer, keep, is_live=True), *_watched(graph, tap, self._url)]
+        firings = writer if keep is None else None
+        self._schedule = LiveSchedule(graph, stages, self._clock, intakes, self._wake, sinks, firings, calls)
+        cleanup.callback(self.record.failures.close, self._schedule.close)
 
         def losses() -> Losses:
             return Losses(tap.dropped if tap else 0, writer.dropped, writer.fault)
 
-        self._observer = Observer(self._runner, run_id, self._url, losses, notice)
-        self.is_begun = True
+        self._observer = Observer(self._schedule, self._run_id, self._url, losses, notice)
+        self.record.engine = self._schedule.engine
 
     def perform(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:
         """Run the stages to the end and read their scores."""
         now = self._clock.now
         try:
-            with self._failures.noted():
+            with self.record.failures.noted():
                 about = live_about(self._graph, by_outside_names=False)
                 self._writer.write(ABOUT, now(), encode(about, now(), 0))
-                self._runner.reset(self._graph.run.seed)
+                self._schedule.reset(self._graph.run.seed)
                 self._fire(on_time, interrupt, should_stop)
         except KeyboardInterrupt:
-            self.outcome = Outcome.STOPPED
+            self.record.outcome = Outcome.STOPPED
             self._observer.tell_broken_off()
-        self._scores = scores_of(self._runner.units, self._failures.noted) if self._runner.is_ready else {}
+        self.record.read_scores()
 
     def _fire(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:
         """Open what comes in and leaves, and fire the stages until the run ends."""
-        graph, runner, observer, playback = self._graph, self._runner, self._observer, self._playback
-        link = opened(graph, runner, self._url, self._wake, observer)
-        with link as motors, closing(Watchdog(runner, observer.tell)):
+        graph, schedule, observer, playback = self._graph, self._schedule, self._observer, self._playback
+        link = opened(graph, schedule, self._url, self._wake, observer)
+        with link as motors, closing(Watchdog(schedule, observer.tell)):
             playback.start()
 
             def keep_going() -> bool:
@@ -186,31 +157,23 @@ class _LiveRun:
                 return not should_stop()
 
             try:
-                self.outcome = runner.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
+                self.record.outcome = schedule.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
             finally:
                 interrupt.settle()
                 observer.finish()
 
-    def summary(self, run_id: str) -> Summary:
-        """Return the summary of a run that has ended."""
+    def _close_log(self) -> None:
+        self._observer.finish()
+        self._writer.close()
+
+    def _measured(self) -> Measured:
         status = self._observer.status
-        return Summary(
-            outcome=str(Outcome.FAILED if self._failures else self.outcome),
-            failure=str(self._failures),
-            graph=self._graph.path.stem,
-            seed=self._graph.run.seed,
-            until_s=self._graph.run.until_s,
-            frames=self._runner.firings,
+        return Measured(
             sim_s=status.run_s,
-            wall_s=round(status.wall_s, 4),
-            stages=steps_of(self._runner.units),
-            scores=self._scores,
-            notices=[*self._graph.notices, *self._observer.told],
-            tap_dropped=status.tap_dropped,
-            run_id=run_id,
-            versions=versions(),
+            wall_s=status.wall_s,
             behind_s=status.behind_s,
-            cause=self._failures.cause,
+            tap_dropped=status.tap_dropped,
+            notices=tuple(self._observer.told),
             live=_live_part(status, self._writer, self._url, self._observer.dropped_packets),
         )
 

@@ -12,8 +12,8 @@ from graphnav.machine.regular_file import read_json
 from graphnav.messages import Status
 from graphnav.record import LOG, Recording
 from graphnav.record.find_log import parts_of
-from graphnav.runner.lockstep_status import STATUS
-from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.summary import SUMMARY
+from graphnav.runner.status import STATUS
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from graphnav.run_folder import GRAPH, LOG
 from graphnav.runner.recording.progress_file import is_running, last_call
-from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.summary import SUMMARY
 
 
 def unfinished(log: Path) -> str:

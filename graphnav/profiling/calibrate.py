@@ -6,7 +6,7 @@ import statistics
 from collections.abc import Callable
 
 from graphnav.profiling.stopwatch import Part, Stopwatch
-from graphnav.profiling.timed import TimedSink
+from graphnav.profiling.tick_spans import TimedSink
 
 _BATCHES, _MIN_WRITES = 9, 200
 

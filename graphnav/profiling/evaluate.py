@@ -5,24 +5,25 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
+from graphnav.graph import Graph
 from graphnav.profiling.process_threads import process_threads
 from graphnav.profiling.profile import ChannelTime, Clock, Instruments, Node, Profile, StageTime
-from graphnav.profiling.profiled_runner import ProfiledRunner
 from graphnav.profiling.step_functions import Function
 from graphnav.profiling.stopwatch import Part, Span
+from graphnav.profiling.tick_spans import TickSpans
 from graphnav.runner.recording.summary import Summary
 
 _OF_A_CHANNEL = (Part.ENCODE, Part.DELIVER, Part.DECODE, Part.LOG, Part.TAP)
 _REMAINDERS = (Part.TICK, Part.STAGE)
 
 
-def profile_of(runner: ProfiledRunner, summary: Summary, clock: Clock, reading_us: float) -> Profile:
+def profile_of(graph: Graph, spans: TickSpans, summary: Summary, clock: Clock, reading_us: float) -> Profile:
     """Return the profile of a run with at least one timed tick.
 
     ``reading_us``: the cost of a clock reading of the instruments. Nearly all of them are made between the other
     parts, so that it is taken from what the runner seems to need.
     """
-    watch = runner.watch
+    watch = spans.watch
     n_ticks = watch.n_ticks
     parts = dict.fromkeys(("step", "check", *map(str, _OF_A_CHANNEL), "runner"), 0)
     for span in _spans(watch.root):
@@ -36,21 +37,21 @@ def profile_of(runner: ProfiledRunner, summary: Summary, clock: Clock, reading_u
         outcome=summary.outcome,
         failure=summary.failure,
         clock=clock,
-        ticks={kind.name.lower(): count for kind, count in sorted(runner.kinds.items(), key=lambda item: item[0].name)},
+        ticks={kind.name.lower(): count for kind, count in sorted(spans.kinds.items(), key=lambda item: item[0].name)},
         parts={part: ns / n_ticks / 1e6 for part, ns in parts.items()},
         tick_ms=total_ns / n_ticks / 1e6,
         tick_p50_ms=watch.root.ticks.quantile_s(0.5) * 1e3,
         tick_p99_ms=watch.root.ticks.quantile_s(0.99) * 1e3,
-        stages=tuple(_stages(runner, total_ns)),
-        channels=tuple(_channels(runner)),
+        stages=tuple(_stages(graph, spans, total_ns)),
+        channels=tuple(_channels(spans)),
         instruments=Instruments(
             readings=watch.n_readings / n_ticks,
             reading_us=reading_us,
             timed_p50_ms=watch.root.ticks.quantile_s(0.5) * 1e3,
-            bare_p50_ms=runner.bare.quantile_s(0.5) * 1e3 if runner.bare.count else None,
+            bare_p50_ms=spans.bare.quantile_s(0.5) * 1e3 if spans.bare.count else None,
         ),
         threads=process_threads(),
-        tree=_node(watch.root, runner),
+        tree=_node(watch.root, graph, spans),
     )
 
 
@@ -60,18 +61,18 @@ def _spans(span: Span) -> Iterator[Span]:
         yield from _spans(child)
 
 
-def _stages(runner: ProfiledRunner, total_ns: int) -> Iterator[StageTime]:
+def _stages(graph: Graph, spans: TickSpans, total_ns: int) -> Iterator[StageTime]:
     """Yield the stages in the graph's order."""
-    n_ticks = runner.watch.n_ticks
-    for name, unit in runner.units.items():
-        fired = runner.watch.root.children.get((Part.STAGE, name))
+    n_ticks = spans.watch.n_ticks
+    for node in graph.nodes:
+        fired = spans.watch.root.children.get((Part.STAGE, node.name))
         if fired is None or not fired.count:  # a tick that failed leaves spans without a count
             continue
-        step = fired.children[Part.STEP, name]
+        step = fired.children[Part.STEP, node.name]
         all_ns = sum(span.ns for span in _spans(fired))
         yield StageTime(
-            name=name,
-            use=unit.node.use,
+            name=node.name,
+            use=node.use,
             steps=step.count,
             ms=step.ns / n_ticks / 1e6,
             p50_ms=step.ticks.quantile_s(0.5) * 1e3,
@@ -81,22 +82,22 @@ def _stages(runner: ProfiledRunner, total_ns: int) -> Iterator[StageTime]:
         )
 
 
-def _channels(runner: ProfiledRunner) -> Iterator[ChannelTime]:
+def _channels(spans: TickSpans) -> Iterator[ChannelTime]:
     """Yield the channels in the order in which the graph writes them."""
-    n_ticks = runner.watch.n_ticks
+    n_ticks = spans.watch.n_ticks
     ns: Counter[tuple[str, Part]] = Counter()
     decodes: Counter[str] = Counter()
-    for span in _spans(runner.watch.root):
+    for span in _spans(spans.watch.root):
         if span.part in _OF_A_CHANNEL:
             ns[span.name, span.part] += span.ns
             decodes[span.name] += span.count if span.part is Part.DECODE else 0
-    for name, count in runner.n_messages.items():
+    for name, count in spans.n_messages.items():
         encode, deliver, decode, log, tap = (ns[name, part] / n_ticks / 1e3 for part in _OF_A_CHANNEL)
         yield ChannelTime(
             name=name,
             messages=count / n_ticks,
             decodes=decodes[name] / n_ticks,
-            n_bytes=runner.n_bytes[name] / count,
+            n_bytes=spans.n_bytes[name] / count,
             encode_us=encode,
             deliver_us=deliver,
             decode_us=decode,
@@ -105,22 +106,22 @@ def _channels(runner: ProfiledRunner) -> Iterator[ChannelTime]:
         )
 
 
-def _node(span: Span, runner: ProfiledRunner) -> Node:
+def _node(span: Span, graph: Graph, spans: TickSpans) -> Node:
     """Return the box of a span, and below a step those of its functions."""
-    n_ticks = runner.watch.n_ticks
-    children = [_node(child, runner) for child in span.children.values() if child.count]
+    n_ticks = spans.watch.n_ticks
+    children = [_node(child, graph, spans) for child in span.children.values() if child.count]
     ms = span.ns / n_ticks / 1e6 + sum(child.ms for child in children)
     label, note = span.name, f"{span.count / n_ticks:.3g} in a tick"
     if span.part is Part.TICK:
-        label, note = f"tick of {runner.graph.path.stem}", ""
+        label, note = f"tick of {graph.path.stem}", ""
     elif span.part is Part.STAGE:
-        note = runner.units[span.name].node.use
+        note = graph.node(span.name).use
     elif span.part in {Part.STEP, Part.CHECK}:
         label, note = str(span.part), span.name
     else:
         label = f"{span.part} {span.name}"
-    if span.part is Part.STEP and runner.functions is not None:
-        children = [_function(function, ms) for function in runner.functions.of(span.name)]
+    if span.part is Part.STEP and spans.functions is not None:
+        children = [_function(function, ms) for function in spans.functions.of(span.name)]
     return Node(label, str(span.part), ms, note, tuple(children))
 
 

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
-from graphnav.bus import Bus
 from graphnav.errors import GraphnavError, UserError, shown_path
 from graphnav.graph import Graph
 from graphnav.profiling.calibrate import reading_us
 from graphnav.profiling.evaluate import profile_of
 from graphnav.profiling.profile import Clock, Profile
-from graphnav.profiling.profiled_runner import WARM_UP, ProfiledRunner
 from graphnav.profiling.step_functions import StepFunctions
 from graphnav.profiling.stopwatch import Stopwatch
+from graphnav.profiling.tick_spans import WARM_UP, TickSpans
 from graphnav.runner import Outcome
-from graphnav.runner.owned_stages import Sink
 from graphnav.runner.recording.run_recorded import LiveSink, run_recorded
 from graphnav.stage import Stage
 
@@ -57,13 +55,7 @@ def measure(
     NothingMeasuredError
         The run ended before a tick was measured.
     """
-    runners: list[ProfiledRunner] = []
-
-    def make_runner(graph: Graph, stages: Mapping[str, Stage], bus: Bus, sinks: Sequence[Sink]) -> ProfiledRunner:
-        sampler = StepFunctions() if functions else None
-        runners.append(ProfiledRunner(graph, stages, bus, sinks, watch=Stopwatch(_CLOCKS[clock]), functions=sampler))
-        return runners[-1]
-
+    spans = TickSpans(Stopwatch(_CLOCKS[clock]), StepFunctions() if functions else None)
     summary = run_recorded(
         graph,
         stages,
@@ -73,12 +65,12 @@ def measure(
         on_tick=on_tick,
         on_failure=on_failure,
         notice=notice,
-        make_runner=make_runner,
+        spans=spans,
     )
-    runner = runners[0]
-    if runner.watch.n_ticks:
-        return profile_of(runner, summary, clock, reading_us(max(1, len(runner.n_messages)), runner.watch.clock))
-    raise NothingMeasuredError(_why_nothing(summary.outcome, summary.failure, runner.ticks), summary.outcome)
+    if spans.watch.n_ticks:
+        cost_us = reading_us(max(1, len(spans.n_messages)), spans.watch.clock)
+        return profile_of(graph, spans, summary, clock, cost_us)
+    raise NothingMeasuredError(_why_nothing(summary.outcome, summary.failure, summary.frames), summary.outcome)
 
 
 def refuse_live(graph: Graph) -> None:

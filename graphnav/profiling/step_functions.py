@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pyinstrument.frame import Frame
 
 _INTERVAL_S = 1e-4
-_CALLER = str(Path(__file__).with_name("timed.py"))
+_CALLER = str(Path(__file__).with_name("tick_spans.py"))
 """The function ``timed_step`` of this file calls every stage's step."""
 
 

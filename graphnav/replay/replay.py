@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from graphnav.codec import DecodeError, encode
 from graphnav.errors import GraphnavError, StageError, UserError
@@ -25,11 +26,10 @@ from graphnav.replay.log.recorded_metrics import recorded_scores
 from graphnav.replay.log.reproduction import Reproduction, reproduction_of
 from graphnav.replay.plan import make_plan
 from graphnav.replay.session import live_session, lockstep_session
-from graphnav.replay.stepping.message_counts import MessageCounts
+from graphnav.runner.engine import Engine
 from graphnav.runner.recording.failures import Failures
 from graphnav.runner.recording.run_recorded import about_of
 from graphnav.runner.recording.summary import scores_of
-from graphnav.runner.unit import Unit
 
 
 @dataclass(frozen=True)
@@ -48,15 +48,11 @@ class ReplayOptions:
 
 
 class Replayer(Protocol):
-    """A runner that steps the stages by a log."""
-
-    ticks: int
-    utime: int
-    is_ready: bool
+    """The schedule that steps the stages by a log."""
 
     @property
-    def units(self) -> Mapping[str, Unit]:
-        """The stepping stages, by name."""
+    def engine(self) -> Engine[Any]:
+        """The stepping stages."""
 
     def reset(self, seed: int) -> None:
         """Reset every stage."""
@@ -156,7 +152,7 @@ class _Replay:
         self._comparison = Comparison(self._recording, known, self._contents, scope)
         self._counts = MessageCounts()
         replayer: Replayer = self._session.make(self._stages, [self._comparison, self._counts], log)
-        self._comparison.now_us = lambda: replayer.utime
+        self._comparison.now_us = lambda: replayer.engine.utime
         return replayer
 
     def step(
@@ -186,14 +182,14 @@ class _Replay:
             log=str(path),
             from_s=self._options.from_s,
             until_s=(self._done_us - self.begin_us) / 1e6,
-            n_ticks=replayer.ticks,
+            n_ticks=replayer.engine.ticks,
             is_live=self._made.is_live,
             wall_s=wall_s,
             stepped=tuple(node.name for node in plan.stepped.order),
             played=played,
             not_needed=plan.not_needed,
             reproduced=tuple(_reproduced(again)) if again is not None else (),
-            channels=self._comparison.results(self._done_us if replayer.ticks else self.begin_us - 1),
+            channels=self._comparison.results(self._done_us if replayer.engine.ticks else self.begin_us - 1),
             new={channel.name: self._counts.of(channel.name) for channel in self._new},
             not_replayed=tuple(_not_replayed(self._recording, self._made, replayed)),
             lost=tuple(self._lost),
@@ -203,8 +199,23 @@ class _Replay:
         )
 
 
+class MessageCounts:
+    """A sink that counts messages."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[str] = Counter()
+
+    def write(self, channel: str, _utime: int, _data: bytes) -> None:
+        """Count one message."""
+        self._counts[channel] += 1
+
+    def of(self, channel: str) -> int:
+        """Return the number of messages on a channel."""
+        return self._counts[channel]
+
+
 def _scores(replayer: Replayer, on_failure: Callable[[GraphnavError], None]) -> dict[str, dict[str, float]]:
-    return scores_of(replayer.units, Failures(on_failure).noted) if replayer.is_ready else {}
+    return scores_of(replayer.engine.units, Failures(on_failure).noted) if replayer.engine.is_ready else {}
 
 
 def _reproduced(reproduction: Reproduction) -> Iterator[Reproduced]:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.bus import Bus
 from graphnav.errors import UserError
 from graphnav.record import Recording
 from graphnav.replay.log.check_log import reach_of, refuse_unlogged, refuse_unread, refuse_unreadable
@@ -17,19 +16,21 @@ from graphnav.replay.log.reproduction import Reproduction
 from graphnav.replay.log.schedule import ticks_of
 from graphnav.replay.plan import Plan
 from graphnav.replay.stepping.firing_log import FiringLog
-from graphnav.replay.stepping.firing_runner import FiringRunner
-from graphnav.replay.stepping.renumbered import Renumbered
-from graphnav.replay.stepping.replay_runner import ReplayRunner, Sinks, Timetable
+from graphnav.replay.stepping.firing_replay import FiringReplay
 from graphnav.replay.stepping.reproduced_sources import ReproducedSources
-from graphnav.runner.owned_stages import Sink
+from graphnav.replay.stepping.tick_replay import Sinks, TickReplay, Timetable
+from graphnav.runner.engine import Sink
 from graphnav.stage import Stage
 
-Make = Callable[[Mapping[str, Stage], Sequence[Sink], Sink | None], ReplayRunner | FiringRunner]
+_SEQ = slice(16, 24)
+"""Position of the sequence number in a message, after the fingerprint and the timestamp."""
+
+Make = Callable[[Mapping[str, Stage], Sequence[Sink], Sink | None], TickReplay | FiringReplay]
 
 
 @dataclass(frozen=True)
 class Session:
-    """A factory of the replay's runner: from stages, sinks for their messages, and the log of the replay.
+    """A factory of the replay's schedule: from stages, sinks for their messages, and the log of the replay.
 
     ``last_us``: the run's clock at the last tick or firing of the log, which may be incomplete.
     """
@@ -70,7 +71,7 @@ def lockstep_session(
     earlier = ([m for m in contents.messages[channel.name] if m.utime < start_us] for channel in plan.needed)
     before = [messages[-1] for messages in earlier if messages]
 
-    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> ReplayRunner:
+    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> TickReplay:
         logs = () if log is None else (Renumbered(log) if start_us else log,)
         again = None
         if reproduction is not None:
@@ -78,7 +79,7 @@ def lockstep_session(
         timetable = Timetable(
             ticks, before, start_us, *((contents.last_us, contents.stops) if math.isinf(reach.until_us) else (0, ()))
         )
-        return ReplayRunner(plan, stages, Bus("memq://"), recording, timetable, Sinks(sinks, logs), again)
+        return TickReplay(plan, stages, recording, timetable, Sinks(sinks, logs), again)
 
     return Session(make, contents.last_us, reach.lost)
 
@@ -95,12 +96,27 @@ def live_session(recording: Recording, made: LogGraph, plan: Plan, contents: Con
     logged = read_firings(plan, contents, recording, made.wires)
     refuse_unlogged(plan, contents, recording, logged, made.complete)
 
-    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> FiringRunner:
+    def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> FiringReplay:
         firing_log = None if log is None else FiringLog(log)
-        return FiringRunner(plan, stages, recording, logged, sinks, firing_log, recording.begin_us, start_us)
+        return FiringReplay(plan, stages, recording, logged, sinks, firing_log, recording.begin_us, start_us)
 
     last_us = logged.firings[-1].at_us
     if not logged.is_cut:
         return Session(make, last_us)
     done_s = (last_us - recording.begin_us) / 1e6
     return Session(make, last_us, (f"replayed up to {done_s:.2f} s; messages that later firings read are missing",))
+
+
+class Renumbered:
+    """The log of a replay that starts later than the run: the numbers of each channel start at 0; gaps stay."""
+
+    def __init__(self, sink: Sink) -> None:
+        self._sink = sink
+        self._first: dict[str, int] = {}
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Pass a message on."""
+        seq = int.from_bytes(data[_SEQ], "big", signed=True)
+        first = self._first.setdefault(channel, seq)
+        number = (seq - first) & (1 << 64) - 1
+        self._sink.write(channel, utime, data[: _SEQ.start] + number.to_bytes(8, "big") + data[_SEQ.stop :])

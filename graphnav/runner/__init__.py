@@ -1,6 +1,6 @@
-"""The runner: owns stages and bus, and applies the firing rule."""
+"""The engine that runs graphs, and the schedule of lockstep."""
 
-from graphnav.runner.lockstep import Outcome, Runner
-from graphnav.runner.seeds import seed_of
+from graphnav.runner.engine import Outcome, seed_of
+from graphnav.runner.lockstep import Lockstep
 
-__all__ = ["Outcome", "Runner", "seed_of"]
+__all__ = ["Lockstep", "Outcome", "seed_of"]

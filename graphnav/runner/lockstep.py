@@ -1,43 +1,55 @@
-"""Run a graph in lockstep: simulated time, one tick per stamp, as fast as the machine allows or paced."""
+"""The schedule of lockstep: simulated time, one tick a stamp, as fast as the machine allows or paced."""
 
 from __future__ import annotations
 
 import heapq
 from collections.abc import Callable, Mapping, Sequence
-from enum import StrEnum
+from time import perf_counter
 
-from graphnav.bus import Bus
-from graphnav.graph import Graph
-from graphnav.runner.owned_stages import Sink
-from graphnav.runner.wired_stages import WiredStages
+from graphnav.graph import Channel, Graph
+from graphnav.messages import Twist
+from graphnav.runner.engine import Engine, Outcome, Sink, Spans
+from graphnav.runner.lockstep_inbox import LockstepInbox
+from graphnav.runner.stage_calls import StageCalls
+from graphnav.runner.unit import Unit
 from graphnav.stage import Stage
 
 
-class Outcome(StrEnum):
-    """The outcome of a run."""
-
-    GOAL = "goal"
-    CONTACT = "contact"
-    TIMEOUT = "timeout"
-    END = "end"
-    STOPPED = "stopped"
-    FAILED = "failed"
-
-
-class Runner(WiredStages):
-    """Owns the stages of a graph and the bus, and fires by the firing rule.
+class Lockstep:
+    """Fires the stages of a graph tick by tick.
 
     A source fires at stamps ``round(k * 1e6 / rate_hz)`` microseconds, or at recorded ones; sources that are due at one
     stamp fire in the graph's order, then every other stage whose plain inputs are complete, in firing order. Joins that
     are still incomplete at the end of the tick are dropped and counted.
     """
 
-    def __init__(self, graph: Graph, stages: Mapping[str, Stage], bus: Bus, sinks: Sequence[Sink]) -> None:
-        """Wire ``stages`` (by name) of ``graph`` over ``bus``; every message also goes to the ``sinks``."""
-        super().__init__(graph, stages, bus, sinks)
-        self._order = [self._units[node.name] for node in graph.order]
+    def __init__(
+        self,
+        graph: Graph,
+        stages: Mapping[str, Stage],
+        sinks: Sequence[Sink],
+        spans: Spans | None = None,
+        calls: StageCalls | None = None,
+    ) -> None:
+        """Wire ``stages`` (by name) of ``graph``; every message also goes to the ``sinks``."""
+        spans = spans or Spans()
+        self.graph = graph
+        self.engine = Engine(
+            graph.nodes,
+            stages,
+            sinks,
+            LockstepInbox,
+            LockstepInbox.put,
+            commands=command_channels(graph),
+            spans=spans,
+            calls=calls,
+        )
+        self.tick: Callable[[], str | None] = spans.tick(self._tick)
+        """Fires everything that is due at the next stamp; returns the outcome if a source ended the run, and raises
+        StageError if a stage raised, or returned something invalid."""
+        self._order = [self.engine.units[node.name] for node in graph.order]
+        self._sources = [self.engine.units[node.name] for node in graph.sources]
         self._due: list[tuple[int, int, int]] = []
-        self._sources = [self._units[node.name] for node in graph.sources]
 
     @property
     def next_utime(self) -> int:
@@ -52,31 +64,9 @@ class Runner(WiredStages):
         StageError
             A stage cannot be reset.
         """
-        super().reset(seed)
+        self.engine.reset(seed)
         self._due = [(0, place, 0) for place in range(len(self._sources))]
         heapq.heapify(self._due)
-
-    def tick(self) -> str | None:
-        """Fire everything that is due at the next stamp; return the outcome if a source ended the run.
-
-        Raises
-        ------
-        StageError
-            A stage raised, or returned something invalid.
-        """
-        self.utime = stamp = self._due[0][0]
-        outcome = None
-        while self._due[0][0] == stamp:
-            _, place, k = heapq.heappop(self._due)
-            outcome = self._fire(self._sources[place], stamp) or outcome
-            heapq.heappush(self._due, (self._due_us(place, k + 1), place, k + 1))
-        for unit in self._order:
-            self._fire_complete(unit, stamp)
-        self.ticks += 1
-        return outcome
-
-    def _due_us(self, place: int, firing: int) -> int:
-        return self._sources[place].due_us(firing)
 
     def run(self, until_s: float | None = None, before_tick: Callable[[int], bool] = lambda _: True) -> str:
         """Tick until a source ends the run, ``until_s`` has passed, or ``before_tick`` returns False.
@@ -91,3 +81,41 @@ class Runner(WiredStages):
                 return Outcome.STOPPED
             if outcome := self.tick():
                 return outcome
+
+    def _tick(self) -> str | None:
+        self.engine.utime = stamp = self._due[0][0]
+        outcome = None
+        while self._due[0][0] == stamp:
+            _, place, k = heapq.heappop(self._due)
+            source = self._sources[place]
+            outcome = fire(self.engine, source, stamp) or outcome
+            heapq.heappush(self._due, (source.due_us(k + 1), place, k + 1))
+        for unit in self._order:
+            fire_complete(self.engine, unit, stamp)
+        self.engine.ticks += 1
+        return outcome
+
+
+def fire(engine: Engine[LockstepInbox], unit: Unit[LockstepInbox], stamp: int) -> str | None:
+    """Step a stage with the messages of a stamp; return the outcome if a source ended the run."""
+    inputs = unit.inbox.take(stamp)
+    if unit.node.deadline_ms is None:
+        return engine.fire(unit, stamp, inputs, 0.0)
+    ready_s = perf_counter()
+    outcome = engine.fire(unit, stamp, inputs, 0.0)
+    unit.judge_deadline(ready_s, perf_counter())
+    return outcome
+
+
+def fire_complete(engine: Engine[LockstepInbox], unit: Unit[LockstepInbox], stamp: int) -> None:
+    """Fire a stage if its plain inputs are complete, else drop them."""
+    if unit.inbox.is_complete:
+        fire(engine, unit, stamp)
+    else:
+        unit.inbox.discard()
+
+
+def command_channels(graph: Graph) -> list[Channel]:
+    """Return the channels of commands that sources sample: what moves the robot of a world."""
+    found = (i.channel for node in graph.sources for i in node.inputs if i.channel is not None)
+    return list({channel.name: channel for channel in found if channel.message is Twist}.values())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 from graphnav.codec import not_finite
 from graphnav.errors import GraphnavError, StageError, failure_line, one_line, raised_line, shown_value
@@ -19,40 +19,48 @@ from graphnav.stage import Finished, Port, Source, Stage, Stamped, ports_of
 Publish = Callable[[Channel, int, Message], None]
 
 
-class Unit:
-    """A stage and its counters; subclasses hold its pending inputs and decide when it fires."""
-
-    def __init__(self, node: Node, stage: Stage, publish: Publish) -> None:
-        self.node, self.stage = node, stage
-        self.durations = Durations()
-        self.missed = 0
-        """Number of steps that ended after the stage's deadline."""
-        self.calls = StageCalls()
-        """Notes every call into the stage; a run replaces it by one for all of its stages."""
-        self.last_utime = 0
-        self.start_utime = 0
-        """Start of the run, by the clock of its stamps."""
-        self._due_us: dict[int, int] = {}
-        """When the last firing asked for is due, by its number."""
-        self._publish = publish
-        self._step: Callable[..., Any] = getattr(stage, "step")  # noqa: B009 - a Stage has no step of its own
-        ports = ports_of(node.stage_class)
-        self._stamps, self._ages = ports.stamps, ports.ages
-        self._result = ports.result
-        self._plain = [i.port.name for i in node.inputs if i.port.is_plain and i.channel is not None]
-        self._open = [i.port.name for i in node.inputs if i.port.is_plain and i.channel is None]
-        self._latest = [i.port.name for i in node.inputs if i.port.latest]
-        self._since = [i.port.name for i in node.inputs if i.port.since]
-        self._outputs = [(port, node.outputs[port.name]) for port in ports.outputs]
+class Inbox(Protocol):
+    """Holds the messages that arrived for a stage until it fires."""
 
     @property
     def dropped(self) -> int:
         """Number of inputs that arrived but were never used in a step."""
-        return 0
 
-    def wrap_step(self, wrap: Callable[[Callable[..., Any]], Callable[..., Any]]) -> None:
-        """Call ``wrap(step)`` in place of the stage's step, which a profile measures in this way."""
-        self._step = wrap(self._step)
+
+I = TypeVar("I", bound=Inbox)  # noqa: E741 - the inbox
+
+
+class Unit(Generic[I]):
+    """A stage, its inbox and its counters.
+
+    ``wrap_step``: returns what is called in place of the step of a stage, by name. ``start_utime``: start of the run,
+    by the clock of its stamps.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        stage: Stage,
+        inbox: I,
+        publish: Publish,
+        calls: StageCalls,
+        wrap_step: Callable[[str, Callable[..., Any]], Callable[..., Any]],
+        start_utime: int,
+    ) -> None:
+        self.node, self.stage, self.inbox = node, stage, inbox
+        self.durations = Durations()
+        self.missed = 0
+        """Number of steps that ended after the stage's deadline."""
+        self.last_utime = self.start_utime = start_utime
+        self._due_us: dict[int, int] = {}
+        """When the last firing asked for is due, by its number."""
+        self._publish, self._calls = publish, calls
+        self._step = wrap_step(node.name, getattr(stage, "step"))  # noqa: B009 - a Stage has no step of its own
+        ports = ports_of(node.stage_class)
+        self._stamps, self._ages = ports.stamps, ports.ages
+        self._result = ports.result
+        self._open = [i.port.name for i in node.inputs if i.port.is_plain and i.channel is None]
+        self._outputs = [(port, node.outputs[port.name]) for port in ports.outputs]
 
     def judge_deadline(self, ready_s: float, done_s: float) -> None:
         """Count a step that missed the stage's deadline; times in seconds."""
@@ -77,7 +85,7 @@ class Unit:
         for name in self._ages:
             inputs[name] = age_s
         outcome = None
-        self.calls.begin(self.node.name, "step", utime, inputs)
+        self._calls.begin(self.node.name, "step", utime, inputs)
         begin = perf_counter()
         try:
             result = self._step(**inputs)
@@ -89,7 +97,7 @@ class Unit:
             raise self._failure(utime, failure_line(error), error) from error
         finally:
             end = perf_counter()
-            self.calls.end()
+            self._calls.end()
         self.durations.add(end - begin)
         if result is not None:
             self._publish_all(utime, result)
@@ -102,7 +110,7 @@ class Unit:
         ``at_s``: seconds since the start. ``said``: returns what the error says of an exception; by default the
         method's name and the exception in one line.
         """
-        self.calls.begin(self.node.name, method, self.last_utime, {})
+        self._calls.begin(self.node.name, method, self.last_utime, {})
         try:
             yield
         except USER_ENDS:
@@ -111,7 +119,7 @@ class Unit:
             what = f"{method}: {one_line(error)}" if said is None else said(error)
             raise StageError(self.node.name, self.node.use, at_s, what, self._raised(error)) from error
         finally:
-            self.calls.end()
+            self._calls.end()
 
     def due_us(self, firing: int) -> int:
         """Return when a firing of a source is due, microseconds after the first one.

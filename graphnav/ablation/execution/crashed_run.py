@@ -10,8 +10,7 @@ from graphnav.ablation.worker import Result, Task
 from graphnav.run_folder import GRAPH
 from graphnav.runner import Outcome
 from graphnav.runner.recording.progress_file import last_call
-from graphnav.runner.recording.run_recorded import SUMMARY
-from graphnav.runner.recording.summary import Summary, versions
+from graphnav.runner.recording.summary import SUMMARY, Summary, versions
 
 DIED = "its process died, twice: it takes more memory than there is, or a stage crashes it"
 

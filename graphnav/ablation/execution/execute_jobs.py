@@ -13,7 +13,7 @@ from graphnav.ablation.results import Record, read_record
 from graphnav.ablation.worker import Result, Task
 from graphnav.errors import GraphnavError
 from graphnav.runner import Outcome
-from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.summary import SUMMARY
 
 
 def pending_jobs(plan: Plan, folder: StudyFolder) -> list[Job]:

@@ -14,7 +14,7 @@ from graphnav.ablation.results import failure_folder, read_record
 from graphnav.ablation.worker import NOT_DRAWN
 from graphnav.record import LOG
 from graphnav.runner import Outcome
-from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.summary import SUMMARY
 
 _CHANGED = "not the same again"
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from graphnav.ablation.execution.locked_folder import LockedFolder
 from graphnav.ablation.plan import RUNS, Plan, check_compatible
 from graphnav.errors import GraphnavError, UserError
-from graphnav.runner.recording.run_recorded import SUMMARY
 from graphnav.runner.recording.saved_graph import copies_of
+from graphnav.runner.recording.summary import SUMMARY
 from graphnav.trust import read_plugin, remember, remember_written, request_of_plan
 
 PLAN = "plan.json"

@@ -11,7 +11,7 @@ from graphnav.ablation.execution.workers import Workers
 from graphnav.ablation.plan import Job
 from graphnav.ablation.results import Record
 from graphnav.runner import Outcome
-from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.summary import SUMMARY
 
 MEASURED_S = 2.0
 """Simulated seconds of the run that measures the pace of a graph of which no run exists."""

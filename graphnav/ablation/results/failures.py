@@ -10,7 +10,7 @@ from graphnav.ablation.results.records import Record
 from graphnav.errors import shown_path
 from graphnav.run_folder import LOG
 from graphnav.runner import Outcome
-from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.summary import SUMMARY
 
 FAILURES = "failures"
 _WORST = (Outcome.CONTACT, Outcome.FAILED, Outcome.TIMEOUT)

@@ -13,7 +13,7 @@ from graphnav.ablation.results.relative_metrics import relative_metrics
 from graphnav.errors import Problem, UserError, shown_path
 from graphnav.machine.regular_file import read_json
 from graphnav.runner import Outcome
-from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.summary import SUMMARY
 from graphnav.stage import Metric, former_names
 
 

@@ -13,7 +13,7 @@ from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.receiver import SCAN_S, Receiver, TypeScan
-from graphnav.live.live_runner import LiveRunner
+from graphnav.live.live_schedule import LiveSchedule
 from graphnav.machine.receive_buffer import larger_buffer, needed_buffer
 from graphnav.runner.recording.log_forecast import size_text
 
@@ -36,12 +36,12 @@ class Alarms:
     ``traffic`` counts the messages on the motor channels.
     """
 
-    def __init__(self, runner: LiveRunner, traffic: MotorTraffic, clocks: Clocks) -> None:
-        self._runner, self._traffic, self._clocks = runner, traffic, clocks
+    def __init__(self, schedule: LiveSchedule, traffic: MotorTraffic, clocks: Clocks) -> None:
+        self._schedule, self._traffic, self._clocks = schedule, traffic, clocks
         self._told: dict[str, int] = {}
         self._overtaken: Counter[str] = Counter()
         self._busy_s: dict[str, float] = {}
-        self._asked_s = runner.clock.now_s()
+        self._asked_s = schedule.clock.now_s()
         self._scan: TypeScan | None = None
 
     def close(self) -> None:
@@ -51,16 +51,16 @@ class Alarms:
 
     def look(self, receiver: Receiver | None) -> Iterator[str]:
         """Yield the alarms since the last call; ``receiver``: what listens for the inputs, None before it does."""
-        now_s = self._runner.clock.now_s()
+        now_s = self._schedule.clock.now_s()
         elapsed_s, self._asked_s = max(now_s - self._asked_s, 1e-6), now_s
         yield from self._clocks.look()
         yield from self._late(elapsed_s)
-        for intake in self._runner.intakes.values():
+        for intake in self._schedule.intakes.values():
             yield from self._silent(intake, now_s, receiver)
             yield from self._lost(intake)
         if receiver is not None:
             yield from self._dropped(receiver)
-        for outlet in self._runner.outlets.values():
+        for outlet in self._schedule.outlets.values():
             ref, channel = outlet.target.channel.ref, outlet.target.name
             if self._is_news(f"{ref} refused", outlet.refused, _MIN_REFUSED):
                 taker = "by the process that sends the motor channels" if outlet.target.motor else "by LCM"
@@ -72,7 +72,9 @@ class Alarms:
             yield f"not sent: {late} commands were older than max_age_s before the motor process had read them"
         heard, sent = self._traffic.counts()
         if self._is_news("foreign", heard - sent, _MIN_FOREIGN):
-            channels = ", ".join(outlet.target.name for outlet in self._runner.outlets.values() if outlet.target.motor)
+            channels = ", ".join(
+                outlet.target.name for outlet in self._schedule.outlets.values() if outlet.target.motor
+            )
             yield (
                 f"another program also sends on {channels}: {heard - sent} of {heard} messages are not from this run\n"
                 "  end one of them: the motors get the commands of both"
@@ -80,13 +82,13 @@ class Alarms:
 
     def _late(self, elapsed_s: float) -> Iterator[str]:
         """Yield edges with overtaken messages and the slowest stage, and missed deadlines."""
-        units = self._runner.units
+        units = self._schedule.engine.units
         busy_s = {name: unit.durations.total_s for name, unit in units.items()}
         spent_s = {name: total_s - self._busy_s.get(name, 0.0) for name, total_s in busy_s.items()}
         self._busy_s = busy_s
         slowest = max(spent_s, key=lambda name: spent_s[name])
         step_ms = units[slowest].durations.quantile_s(0.5) * 1e3
-        for edge, count in self._runner.overtaken().items():
+        for edge, count in self._schedule.overtaken().items():
             grown, self._overtaken[edge] = count - self._overtaken[edge], count
             if grown < _MIN_OVERTAKEN or self._clocks.is_troubled or not self._is_news(edge, count, 1):
                 continue
@@ -104,13 +106,13 @@ class Alarms:
     def _silent(self, intake: Intake, now_s: float, receiver: Receiver | None) -> Iterator[str]:
         """Yield the silence of an input on which nothing arrives, and other channels that carry its type."""
         ref, what = intake.source.channel.ref, f"{intake.source.channel.ref} silent"
-        silent_s = now_s - max(intake.mailbox.heard_s, self._runner.clock.start_s)
-        if not self._runner.is_needed(ref) or silent_s <= _SILENT_S - SCAN_S:
+        silent_s = now_s - max(intake.mailbox.heard_s, self._schedule.clock.start_s)
+        if not self._schedule.is_needed(ref) or silent_s <= _SILENT_S - SCAN_S:
             self._told.pop(what, None)
             return
         is_due = silent_s + SCAN_S >= max(_SILENT_S, 2 * self._told.get(what, 0))
         if is_due and self._scan is None and receiver is not None and intake.source.log is None:
-            sources = [one.source for one in self._runner.intakes.values()]
+            sources = [one.source for one in self._schedule.intakes.values()]
             self._scan = TypeScan(receiver.url, {fingerprint(source.lcm_class) for source in sources})
         if silent_s <= _SILENT_S or not (self._scan is None or self._scan.is_over):
             return
@@ -121,7 +123,7 @@ class Alarms:
 
     def _same_type(self, intake: Intake) -> Iterator[str]:
         """Yield the channels of other programs that carry the type of a silent input."""
-        graph, source = self._runner.graph, intake.source
+        graph, source = self._schedule.graph, intake.source
         own = {one.name for one in graph.channels.values()}
         own |= {one.name for one in graph.inputs.values()} | {one.name for one in graph.outputs.values()}
         found = self._scan.channels(fingerprint(source.lcm_class)) if self._scan is not None else {}
@@ -154,7 +156,7 @@ class Alarms:
             return
         sizes = {
             f"{intake.source.channel.ref} on {intake.source.name}": intake.mailbox.largest_bytes
-            for intake in self._runner.intakes.values()
+            for intake in self._schedule.intakes.values()
             if intake.source.log is None
             and (intake.mailbox.largest_bytes > PACKET_BYTES or _is_unheard_picture(intake))
         }

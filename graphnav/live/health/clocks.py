@@ -9,7 +9,7 @@ from typing import NamedTuple
 from graphnav.graph import Graph
 from graphnav.live.inputs.sender_monitor import SenderMonitor
 from graphnav.live.join import MAX_UNMATCHED
-from graphnav.live.live_runner import LiveRunner
+from graphnav.live.live_schedule import LiveSchedule
 
 _OFFSET_S = 0.2
 """A smaller offset is a transport delay."""
@@ -39,17 +39,17 @@ class Clocks:
     ``is_troubled``: whether stamps are wrong or cannot be joined, so that messages wait in vain.
     """
 
-    def __init__(self, runner: LiveRunner) -> None:
+    def __init__(self, schedule: LiveSchedule) -> None:
         self.notes: dict[str, str] = {}
         self.is_troubled = False
-        self._runner = runner
-        self._pairs = list(_pairs(runner.graph))
+        self._schedule = schedule
+        self._pairs = list(_pairs(schedule.graph))
         self._told: dict[str, tuple[str, float]] = {}
 
     def look(self) -> Iterator[str]:
         """Yield what is new since the last call."""
         self.is_troubled, self.notes = False, {}
-        for ref, intake in self._runner.intakes.items():
+        for ref, intake in self._schedule.intakes.items():
             who = f"{ref} on {intake.source.name}"
             if fault := intake.monitor.stamp_fault:
                 self.is_troubled = True
@@ -58,11 +58,11 @@ class Clocks:
                 yield from self._offset(ref, who, intake.monitor)
         for pair in self._pairs:
             yield from self._apart(pair)
-        for name, unit in self._runner.units.items():
-            unmatched = unit.join.unmatched
+        for name, unit in self._schedule.engine.units.items():
+            unmatched = unit.inbox.join.unmatched
             if len(unmatched) > 1 and min(unmatched.values()) >= MAX_UNMATCHED:
                 self.is_troubled = True
-                gap_s = unit.join.gap_us() * 1e-6
+                gap_s = unit.inbox.join.gap_us() * 1e-6
                 yield from self._news(
                     f"{name} joins",
                     f"{name} joins nothing: {', '.join(unmatched)} have no stamp in common, the nearest differ by "
@@ -94,7 +94,7 @@ class Clocks:
 
     def _apart(self, pair: _Pair) -> Iterator[str]:
         """Note and yield the offset between two inputs that a stage joins."""
-        first, second = (self._runner.intakes[ref] for ref in (pair.first, pair.second))
+        first, second = (self._schedule.intakes[ref] for ref in (pair.first, pair.second))
         if any(one.monitor.stamp_fault or one.monitor.accepted < _MIN_ACCEPTED for one in (first, second)):
             return
         offset_s = first.monitor.offset_s - second.monitor.offset_s
@@ -104,7 +104,7 @@ class Clocks:
             return
         self.is_troubled = True
         fate = f"{pair.stage} cannot join them"
-        if pair.is_sampled and -self._runner.clock.run_s() < offset_s < 0:  # samples of that time have come
+        if pair.is_sampled and -self._schedule.clock.run_s() < offset_s < 0:  # samples of that time have come
             fate = f"{pair.stage} joins what is that far apart, unless {first.source.name} takes that long"
         note = f"stamps of {first.source.name} are {_span(offset_s)} {_side(offset_s)} those of {second.source.name}"
         self.notes[pair.first] = f"{note}: {fate}"

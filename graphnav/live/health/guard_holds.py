@@ -10,7 +10,7 @@ from graphnav.bus import same_group
 from graphnav.errors import UserError
 from graphnav.graph import Graph, Node
 from graphnav.lcm_url import lcm_url
-from graphnav.live.live_runner import LiveRunner
+from graphnav.live.live_schedule import LiveSchedule
 from graphnav.messages import GuardState
 
 _STANDS_S = 2.0
@@ -29,21 +29,21 @@ _RETRIES, _LATCHED = "the robot retries, slowly", "the robot stands until the gu
 class GuardHolds:
     """Yields what begins and ends to hold the robot, by the newest states of the guards; ``url``: of the run.
 
-    `look` is called at every turn of the runner, so that a retry, which may be short, is not missed.
+    `look` is called at every turn of the schedule, so that a retry, which may be short, is not missed.
     """
 
-    def __init__(self, runner: LiveRunner, url: str) -> None:
-        self._runner, self._url = runner, url
+    def __init__(self, schedule: LiveSchedule, url: str) -> None:
+        self._schedule, self._url = schedule, url
         self._holds: dict[str, Hold] = {}
         self._seen: dict[str, GuardState] = {}
 
     def look(self, now_s: float) -> Iterator[str]:
         """Yield what is new since the last call; ``now_s``: monotonic."""
-        for stage, state in self._runner.guard_states.items():
+        for stage, state in self._schedule.guard_states.items():
             if self._seen.get(stage) is not state:
                 self._seen[stage] = state
                 if stage not in self._holds:
-                    self._holds[stage] = Hold(self._runner.graph, stage, self._url)
+                    self._holds[stage] = Hold(self._schedule.graph, stage, self._url)
                 yield from self._holds[stage].see(state, now_s)
 
 

@@ -11,8 +11,8 @@ from graphnav.live.health.guard_holds import GuardHolds
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.health.status import Losses, StatusReporter
 from graphnav.live.inputs.receiver import Receiver
-from graphnav.live.live_runner import LiveRunner
-from graphnav.runner.lockstep_status import STATUS
+from graphnav.live.live_schedule import LiveSchedule
+from graphnav.runner.status import STATUS
 
 _MAX_TOLD = 100
 """Maximum number of notices in the summary."""
@@ -27,16 +27,16 @@ class Observer:
     """
 
     def __init__(
-        self, runner: LiveRunner, run_id: str, url: str, losses: Callable[[], Losses], notice: Callable[[str], None]
+        self, schedule: LiveSchedule, run_id: str, url: str, losses: Callable[[], Losses], notice: Callable[[str], None]
     ) -> None:
         self.told: list[str] = []
         self.traffic = MotorTraffic()
-        self._runner, self._notice = runner, notice
+        self._schedule, self._notice = schedule, notice
         self.receiver: Receiver | None = None
-        self._holds = GuardHolds(runner, url)
-        clocks = Clocks(runner)
-        self._alarms = Alarms(runner, self.traffic, clocks)
-        self._reporter = StatusReporter(runner, run_id, losses, self.traffic, clocks)
+        self._holds = GuardHolds(schedule, url)
+        clocks = Clocks(schedule)
+        self._alarms = Alarms(schedule, self.traffic, clocks)
+        self._reporter = StatusReporter(schedule, run_id, losses, self.traffic, clocks)
         self.status = self._reporter.make()
 
     def tell(self, line: str) -> None:
@@ -51,18 +51,19 @@ class Observer:
         A motor process that takes no commands, or takes them again, is reported at once, and so is what holds the
         robot.
         """
-        runner = self._runner
-        for line in self._holds.look(runner.clock.now_s()):
+        schedule = self._schedule
+        for line in self._holds.look(schedule.clock.now_s()):
             self.tell(line)
-        changes = list(self.traffic.look(runner.clock.now_s()))
-        runner.withhold_commands(is_withheld=self.traffic.is_substituted)
+        changes = list(self.traffic.look(schedule.clock.now_s()))
+        schedule.withhold_commands(is_withheld=self.traffic.is_substituted)
         for line in changes:
             self.tell(line)
         if not (changes or self._reporter.is_due()):
             return False
         lines = list(self._alarms.look(self.receiver))
         self.status = self._reporter.make()
-        runner.record(STATUS, encode(self.status, runner.clock.now(), runner.next_seq(STATUS)))
+        now = schedule.clock.now()
+        schedule.sink.write(STATUS, now, encode(self.status, now, schedule.engine.number(STATUS)))
         for line in lines:
             self.tell(line)
         return True
@@ -79,6 +80,6 @@ class Observer:
 
     def tell_broken_off(self) -> None:
         """Report the step in which the run was interrupted, if any."""
-        if self._runner.step_began is not None:
-            name, began_s = self._runner.step_began
-            self.tell(f"interrupted a step of {name} after {self._runner.clock.now_s() - began_s:.1f} s")
+        if self._schedule.step_began is not None:
+            name, began_s = self._schedule.step_began
+            self.tell(f"interrupted a step of {name} after {self._schedule.clock.now_s() - began_s:.1f} s")

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
-from graphnav.live.live_runner import LiveRunner
+from graphnav.live.live_schedule import LiveSchedule
 from graphnav.live.outlet import Outlet
 from graphnav.messages import Status
-from graphnav.runner.stage_health import Rates, memory_mb, stage_statuses
+from graphnav.runner.status import Rates, memory_mb, stage_statuses
 
 _PERIOD_S = 1.0
 _RECENT_S = 3.0
@@ -31,49 +31,49 @@ class StatusReporter:
 
     def __init__(
         self,
-        runner: LiveRunner,
+        schedule: LiveSchedule,
         run_id: str,
         losses: Callable[[], Losses],
         traffic: MotorTraffic,
         clocks: Clocks,
     ) -> None:
-        self._runner, self._run_id, self._losses, self._traffic, self._clocks = (
-            runner,
+        self._schedule, self._run_id, self._losses, self._traffic, self._clocks = (
+            schedule,
             run_id,
             losses,
             traffic,
             clocks,
         )
-        self._due_s = runner.clock.now_s() + _PERIOD_S
-        self._last_s = runner.clock.now_s()
+        self._due_s = schedule.clock.now_s() + _PERIOD_S
+        self._last_s = schedule.clock.now_s()
         self._rates = Rates()
 
     def is_due(self) -> bool:
         """Whether the last status is a second old."""
-        return self._runner.clock.now_s() >= self._due_s
+        return self._schedule.clock.now_s() >= self._due_s
 
     def make(self) -> Status:
         """Return the current status; rates are averages since the last one."""
-        clock = self._runner.clock
+        clock = self._schedule.clock
         now_s = clock.now_s()
         elapsed_s = max(now_s - self._last_s, 1e-6)
         self._last_s, self._due_s = now_s, now_s + _PERIOD_S
-        overtaken = self._runner.overtaken()
+        overtaken = self._schedule.overtaken()
         losses = self._losses()
         return Status(
             run_id=self._run_id,
-            graph=self._runner.graph.path.stem,
+            graph=self._schedule.graph.path.stem,
             live=True,
             wall_s=clock.run_s(),
             run_s=clock.run_s(),
-            behind_s=self._runner.behind_s(now_s),
+            behind_s=self._schedule.behind_s(now_s),
             memory_mb=memory_mb(),
             tap_dropped=losses.tap_dropped,
             log_dropped=losses.log_dropped,
             log_fault=losses.log_fault,
-            stages=stage_statuses(self._runner.units, self._rates, elapsed_s),
-            inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._runner.intakes.values()),
-            outputs=tuple(_output(one, self._traffic) for one in self._runner.outlets.values()),
+            stages=stage_statuses(self._schedule.engine.units, self._rates, elapsed_s),
+            inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._schedule.intakes.values()),
+            outputs=tuple(_output(one, self._traffic) for one in self._schedule.outlets.values()),
             edges=tuple({"name": edge, "overtaken": count} for edge, count in sorted(overtaken.items())),
         )
 

@@ -15,7 +15,7 @@ from graphnav.graph.wiring.channels import RESERVED
 from graphnav.messages import About
 from graphnav.record import Recording
 from graphnav.record.recording import Head
-from graphnav.runner.wired_stages import command_channels
+from graphnav.runner.lockstep import command_channels
 
 _MAX_TOLD = 5
 

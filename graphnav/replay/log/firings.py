@@ -38,8 +38,8 @@ class LoggedFirings:
     """Recorded messages that are not published by a stepping stage, in order of publication."""
     played: Mapping[tuple[str, int, int], Logged]
     """The messages that firings read from the log, by channel, number and timestamp."""
-    awaited: Counter[tuple[str, int]]
-    """How often firings read a message of another stepping stage, by channel and timestamp."""
+    awaited: Counter[tuple[str, str, int]]
+    """How often firings read a message of another stepping stage, by the reading stage, port and timestamp."""
     is_cut: bool
     """Whether damage of the log removed messages that later firings read."""
     added: frozenset[str]
@@ -116,7 +116,7 @@ class _Reader:
 
     def __init__(self, plan: Plan, contents: Contents, new_ports: Collection[tuple[str, str]]) -> None:
         self.played: dict[tuple[str, int, int], Logged] = {}
-        self.awaited: Counter[tuple[str, int]] = Counter()
+        self.awaited: Counter[tuple[str, str, int]] = Counter()
         self.read: Counter[str] = Counter()
         """The number of messages read of each played channel."""
         self._seen: set[tuple[str, int, int]] = set()
@@ -137,7 +137,7 @@ class _Reader:
             if channel is None or used.number < 0:
                 continue
             if not is_played:
-                self.awaited[channel.name, used.utime] += 1
+                self.awaited[firing.stage, used.port, used.utime] += 1
                 continue
             key = channel.name, used.number, used.utime
             if key in self._seen:

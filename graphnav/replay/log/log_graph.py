@@ -15,8 +15,8 @@ from graphnav.graph import Graph, Override, Target, graph_of, load_graph
 from graphnav.messages import About
 from graphnav.record import ABOUT, LOG, Recording
 from graphnav.run_folder import GRAPH
-from graphnav.runner.lockstep_status import STATUS
 from graphnav.runner.recording.kept_messages import complete_channels
+from graphnav.runner.status import STATUS
 from graphnav.spec import RecordOption, option_in, parse_yaml, read_bytes
 
 _SEED = Target("run", key="seed")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from graphnav.machine.regular_file import read_json
 from graphnav.record import LOG
-from graphnav.runner.recording.run_recorded import SUMMARY
+from graphnav.runner.recording.summary import SUMMARY
 from graphnav.stage import former_names
 
 

@@ -7,8 +7,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
-from graphnav.live.live_unit import LiveUnit
+from graphnav.live.firing import Taken
+from graphnav.live.live_inbox import LiveInbox
 from graphnav.live.timer import Timer, every
+from graphnav.runner.unit import Unit
 
 _MAX_GAP_S = 10.0
 """Timers do not fire in longer gaps of a log, whose timestamps may be damaged."""
@@ -18,10 +20,11 @@ class Due(NamedTuple):
     """A firing: its time, seconds of the run, and the stage."""
 
     at_s: float
-    unit: LiveUnit
+    unit: Unit[LiveInbox]
     utime: int | None
     """The timestamp of its set of inputs, None if it publishes with the run's clock."""
-    fire: Callable[[int], str | None]
+    take: Callable[[], Taken | None]
+    """Returns what it steps with, None if it does not step."""
 
 
 class AddedStages:
@@ -31,7 +34,7 @@ class AddedStages:
     stages near the end of the graph first; later if the set waits for a `Since` input. Timers start at ``start_s``.
     """
 
-    def __init__(self, units: Sequence[LiveUnit], start_s: float) -> None:
+    def __init__(self, units: Sequence[Unit[LiveInbox]], start_s: float) -> None:
         self._units = tuple(reversed(units))
         self._timers = [(Timer(every(u.node.every_ms / 1e3), start_s), u) for u in self._units if u.node.every_ms]
         self._now_s = start_s
@@ -47,7 +50,7 @@ class AddedStages:
             key=lambda one: one[0],
             default=(math.inf, None, None),
         )
-        waking_s = min((unit.wakes_at_s() for unit in self._units), default=math.inf)
+        waking_s = min((unit.inbox.wakes_at_s(unit.patience_s) for unit in self._units), default=math.inf)
         if min(timer_s, waking_s) > to_s:
             self._now_s = max(self._now_s, to_s)
             return None
@@ -55,14 +58,14 @@ class AddedStages:
         if timer is None or clocked is None or waking_s < timer_s:
             return self.next_due(to_s)
         timer.advance(self._now_s)
-        return Due(self._now_s, clocked, None, partial(clocked.fire_timer, now_s=self._now_s))
+        return Due(self._now_s, clocked, None, partial(clocked.inbox.take_timer, self._now_s, clocked.patience_s))
 
-    def _ready(self, unit: LiveUnit, now_s: float) -> Due | None:
-        matched = unit.ready(now_s)
+    def _ready(self, unit: Unit[LiveInbox], now_s: float) -> Due | None:
+        matched = unit.inbox.ready(now_s, unit.patience_s)
         if matched is None:
             return None
-        utime = None if unit.is_clocked else matched.utime
-        return Due(now_s, unit, utime, partial(unit.fire_set, matched, now_s=now_s))
+        utime = None if unit.inbox.is_clocked else matched.utime
+        return Due(now_s, unit, utime, partial(unit.inbox.take_set, matched, now_s))
 
     def _skip_gap(self, to_s: float) -> None:
         for timer, _ in self._timers:

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from graphnav.live.firing import FIRED, Used, encoded_firing
 from graphnav.replay.log.contents import Logged
-from graphnav.runner.owned_stages import Sink
+from graphnav.runner.engine import Sink
 
 
 class FiringLog:
     """Writes played messages, published messages and firings; events have the clock of the recorded run.
 
-    Messages are renumbered: the log may hold fewer of them than the recorded log.
+    Messages are renumbered: the log may hold fewer of them than the recorded log. ``now_us``: returns that clock.
     """
 
     def __init__(self, sink: Sink) -> None:
         self._sink = sink
+        self.now_us: Callable[[], int] = lambda: 0
         self._numbers: dict[tuple[str, int], int] = {}
         self._counts: Counter[str] = Counter()
         self._n_firings = 0
@@ -33,9 +34,9 @@ class FiringLog:
         """Return the index in this log of a message, by its index in the recorded log."""
         return self._numbers.get((channel, place), place)
 
-    def publish(self, channel: str, at_us: int, data: bytes) -> None:
+    def write(self, channel: str, _utime: int, data: bytes) -> None:
         """Write a message published by a stage."""
-        self._sink.write(channel, at_us, data)
+        self._sink.write(channel, self.now_us(), data)
 
     def fire(self, stage: str, at_us: int, utime: int, age_s: float, used: Sequence[Used]) -> None:
         """Write a firing with its messages; ``utime``: the timestamp of the step."""

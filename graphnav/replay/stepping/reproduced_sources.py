@@ -11,8 +11,10 @@ from graphnav.messages import Message
 from graphnav.record import Recording
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.reproduction import Reproduction
-from graphnav.runner.lockstep_unit import LockstepUnit
-from graphnav.runner.owned_stages import OwnedStages
+from graphnav.runner.engine import Engine
+from graphnav.runner.lockstep import fire
+from graphnav.runner.lockstep_inbox import LockstepInbox
+from graphnav.runner.unit import Unit
 from graphnav.stage import Stage
 
 
@@ -25,8 +27,8 @@ class Made(NamedTuple):
     data: bytes
 
 
-class ReproducedSources(OwnedStages[LockstepUnit]):
-    """Owns the sources of a `Reproduction`, which fire by the clock as in the run, with the seed of the run.
+class ReproducedSources:
+    """Fires the sources of a `Reproduction`, by the clock as in the run, with the seed of the run.
 
     They hear recorded messages only: what other stages of a replay publish changes nothing.
     """
@@ -34,17 +36,24 @@ class ReproducedSources(OwnedStages[LockstepUnit]):
     def __init__(
         self, reproduction: Reproduction, stages: Mapping[str, Stage], recording: Recording, contents: Contents
     ) -> None:
-        super().__init__(())
+        self.engine = Engine(
+            reproduction.nodes,
+            stages,
+            (),
+            LockstepInbox,
+            LockstepInbox.put,
+            is_wired=False,
+            published=self._keep,
+        )
         self._reproduction, self._recording = reproduction, recording
         self._messages = {channel.name: channel.message for channel in reproduction.inputs}
-        self._units = {node.name: LockstepUnit(node, stages[node.name], self._publish) for node in reproduction.nodes}
         self._heard = {node.name: reproduction.heard_by(node, contents) for node in reproduction.nodes}
-        self._n_heard = dict.fromkeys(self._units, 0)
-        self._due = dict.fromkeys(self._units, (0, 0))
+        self._n_heard = dict.fromkeys(self._heard, 0)
+        self._due = dict.fromkeys(self._heard, (0, 0))
         """The stamp at which each source is due, and the number of the firing."""
         self._made: list[Made] = []
 
-    def reset(self, seed: int | None = None) -> None:  # noqa: ARG002 - that of the replay may differ
+    def reset(self) -> None:
         """Reset the sources by the seed of the run.
 
         Raises
@@ -52,9 +61,9 @@ class ReproducedSources(OwnedStages[LockstepUnit]):
         StageError
             One cannot be reset.
         """
-        super().reset(self._reproduction.seed)
-        self._n_heard = dict.fromkeys(self._units, 0)
-        self._due = dict.fromkeys(self._units, (0, 0))
+        self.engine.reset(self._reproduction.seed)
+        self._n_heard = dict.fromkeys(self._heard, 0)
+        self._due = dict.fromkeys(self._heard, (0, 0))
 
     def next_due(self) -> int:
         """Return the stamp at which the next source is due, microseconds."""
@@ -73,14 +82,14 @@ class ReproducedSources(OwnedStages[LockstepUnit]):
         stamp, k = self._due.get(name, (-1, 0))
         if stamp != utime:
             return []
-        unit = self._units[name]
+        unit = self.engine.units[name]
         self._hear(unit, utime)
-        self.utime, self._made = utime, []
-        unit.fire(utime)
+        self.engine.utime, self._made = utime, []
+        fire(self.engine, unit, utime)
         self._due[name] = unit.due_us(k + 1), k + 1
         return self._made
 
-    def _hear(self, unit: LockstepUnit, utime: int) -> None:
+    def _hear(self, unit: Unit[LockstepInbox], utime: int) -> None:
         heard = self._heard[unit.node.name]
         while (n := self._n_heard[unit.node.name]) < len(heard) and (heard[n].utime, not heard[n].is_before) <= (
             utime,
@@ -90,9 +99,8 @@ class ReproducedSources(OwnedStages[LockstepUnit]):
             sent, _, message = decode(self._messages[channel], self._recording.event(channel, place).data)
             for i in unit.node.inputs:
                 if i.channel is not None and i.channel.name == channel:
-                    unit.deliver(i.port.name, sent, message)
+                    unit.inbox.put(i.port, sent, 0, message)
             self._n_heard[unit.node.name] = n + 1
 
-    def _publish(self, channel: Channel, utime: int, message: Message) -> None:
-        seq = self._next_seq(channel)
-        self._made.append(Made(channel, utime, seq, self._give(channel, utime, seq, message)))
+    def _keep(self, channel: Channel, utime: int, number: int, _message: Message, data: bytes) -> None:
+        self._made.append(Made(channel, utime, number, data))

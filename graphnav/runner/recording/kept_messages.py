@@ -9,7 +9,7 @@ from graphnav.graph import Channel, Graph, Node
 from graphnav.record import SMALL_BYTES
 from graphnav.record.log_files import LogFiles, Split
 from graphnav.record.threaded_writer import Log
-from graphnav.runner.owned_stages import Sink
+from graphnav.runner.engine import Sink
 from graphnav.spec import RecordOption, RunOptions
 from graphnav.stage import Source
 

@@ -4,40 +4,32 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from graphnav.bus import Bus
 from graphnav.codec import encode, lcm_name, lcm_text_of
 from graphnav.errors import GraphnavError, UserError
 from graphnav.graph import Graph, resolved_yaml
-from graphnav.interrupts import CtrlC, working_folder_restored
 from graphnav.messages import About
 from graphnav.record import ABOUT, LOG
 from graphnav.record.threaded_writer import Log
+from graphnav.runner.engine import Outcome, Sink, Spans
 from graphnav.runner.interrupt import Interrupt
-from graphnav.runner.lockstep import Outcome, Runner
-from graphnav.runner.lockstep_status import LockstepStatus
-from graphnav.runner.owned_stages import Sink
-from graphnav.runner.recording.failures import Failures
+from graphnav.runner.lockstep import Lockstep
 from graphnav.runner.recording.full_log import FullLog
 from graphnav.runner.recording.kept_messages import kept, open_log, record_option
 from graphnav.runner.recording.log_forecast import LogForecast
-from graphnav.runner.recording.progress_file import ProgressFile
+from graphnav.runner.recording.recorded_run import Measured, RecordedRun
 from graphnav.runner.recording.saved_graph import save_graph
-from graphnav.runner.recording.stall import StallLimit, StallWatch, stall_error
-from graphnav.runner.recording.summary import Summary, scores_of, steps_of, versions
+from graphnav.runner.recording.stall import StallLimit
+from graphnav.runner.recording.summary import Summary
 from graphnav.runner.simulated_clock import SimulatedClock
-from graphnav.runner.stage_calls import Call, StageCalls
+from graphnav.runner.stage_calls import StageCalls
+from graphnav.runner.status import LockstepStatus
 from graphnav.stage import Stage
-
-SUMMARY = "summary.json"
-
-
-MakeRunner = Callable[[Graph, Mapping[str, Stage], Bus, Sequence[Sink]], Runner]
 
 
 class LiveSink(Sink, Protocol):
@@ -84,7 +76,7 @@ def run_recorded(
     on_tick: Callable[[int], None] = lambda _: None,
     on_failure: Callable[[GraphnavError], None] = lambda _: None,
     notice: Callable[[str], None] = lambda _: None,
-    make_runner: MakeRunner = Runner,
+    spans: Spans | None = None,
     stall: StallLimit | None = None,
     full: FullLog | None = None,
 ) -> Summary:
@@ -94,8 +86,8 @@ def run_recorded(
     to there, and the summary states how it ended. ``keep``: the channels to log, None for the graph's ``record``
     option. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows. ``on_tick`` gets
     the stamp of the next tick, ``on_failure`` every error in ``failure``, ``notice`` warnings of lateness and of a
-    large log. ``make_runner``: a runner that measures, in place of the plain one; its sinks are the log and the tap.
-    ``stall``: when a call into a stage that does not return ends the process, None for never. ``full``: gets all.
+    large log. ``spans``: measures the work. ``stall``: when a call into a stage that does not return ends the process,
+    None for never. ``full``: gets all.
 
     Raises
     ------
@@ -104,96 +96,67 @@ def run_recorded(
     CtrlC
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
-    graph, folder = _telling_what_is_kept(graph) if keep is None else graph, folder.absolute()
-    run = _LockstepRun(graph, folder, Failures(on_failure), tap, run_id)
-    with ProgressFile(folder, {node.name: node.use for node in graph.nodes}) as progress, Interrupt() as interrupt:
-        clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
-        try:
-            with working_folder_restored(), ExitStack() as cleanup:
-                run.watch(progress, stall, cleanup)
-                run.begin(stages, keep, cleanup, make_runner, full)
-                run.perform(clock, _forecast(graph, keep, run.writer, folder, notice), on_tick, interrupt.poll)
-                interrupt.settle()
-        except CtrlC:  # while it ended, such as in a stage that does not close
-            if not run.is_begun:
-                raise
-            run.outcome = Outcome.STOPPED
-        summary = run.summary(clock.behind_s)
-        write_summary(summary, folder)
-        raise_if_asked_late(interrupt, summary)
-    return summary
+    graph = _telling_what_is_kept(graph) if keep is None else graph
+    run = _LockstepRun(graph, folder.absolute(), tap, run_id, on_failure)
+
+    def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
+        run.clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
+        run.begin(stages, keep, cleanup, spans, calls, full)
+        forecast = _forecast(graph, keep, run.writer, run.folder, notice)
+        run.perform(forecast, on_tick, interrupt.poll)
+
+    return run.record.conduct(run_with, stall, {node.name: node.use for node in graph.nodes})
 
 
 class _LockstepRun:
     """A run in progress, from the first event of its log to its summary."""
 
-    def __init__(self, graph: Graph, folder: Path, failures: Failures, tap: LiveSink | None, run_id: str) -> None:
-        self._graph, self._folder, self._failures, self._tap, self._run_id = graph, folder, failures, tap, run_id
-        self.outcome: str = Outcome.FAILED
-        self._scores: dict[str, dict[str, float]] = {}
-        self._wall_s = 0.0
+    def __init__(
+        self,
+        graph: Graph,
+        folder: Path,
+        tap: LiveSink | None,
+        run_id: str,
+        on_failure: Callable[[GraphnavError], None],
+    ) -> None:
+        self._graph, self.folder, self._tap, self._run_id = graph, folder, tap, run_id
+        self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured)
+        self.clock = SimulatedClock()
+        self._wall_s: float | None = None
         self._started_s = time.monotonic()
-        self.is_begun = False
-        """Whether the stages are wired, so that there is something to summarise."""
 
     def begin(
         self,
         stages: dict[str, Stage],
         keep: Collection[str] | None,
         cleanup: ExitStack,
-        make_runner: MakeRunner,
+        spans: Spans | None,
+        calls: StageCalls,
         full: FullLog | None,
     ) -> None:
         """Open the log, announce the run and wire the stages; ``cleanup`` gets what closes all that."""
-        self.writer = _begin(self._graph, self._folder)
-        cleanup.callback(self._failures.close, self.writer.close)
-        sinks = [kept(self._graph, self.writer, keep, is_live=False)]
+        close = self.record.failures.close
+        self.writer = _begin(self._graph, self.folder)
+        cleanup.callback(close, self.writer.close)
+        sinks: list[Sink] = [kept(self._graph, self.writer, keep, is_live=False)]
         if self._tap is not None:
             cleanup.callback(self._tap.close)
             self._tap.announce(about_of(self._graph))
             sinks.append(self._tap)
         if full is not None and self._graph.run.record == "replayable":
-            full.open(self._folder)
+            full.open(self.folder)
             full.write(ABOUT, 0, self._about())
             sinks.append(full)
-        bus = Bus("memq://")
-        cleanup.callback(bus.close)
-        self._runner = make_runner(self._graph, stages, bus, sinks)
-        for unit in self._runner.units.values():
-            unit.calls = self._calls
-        cleanup.callback(self._failures.close, self._runner.close)
-        self.is_begun = True
-
-    def watch(self, progress: ProgressFile, stall: StallLimit | None, cleanup: ExitStack) -> None:
-        """Mark every call into a stage, and end the process if one does not return."""
-        self._calls = StageCalls(progress.mark)
-        if stall is None:
-            return
-        limit = stall
-
-        def finish(call: Call) -> None:
-            """Write what the thread of the run cannot write any more."""
-            with self._failures.noted():
-                raise stall_error(self._graph, call, limit.seconds)
-            self._failures.close(self.writer.close)
-            self._wall_s = time.monotonic() - self._started_s
-            summary = self.summary(0.0)
-            self._failures.close(lambda: write_summary(summary, self._folder))
-            progress.remove()
-            limit.on_stall(summary)
-
-        cleanup.enter_context(StallWatch(self._calls, limit.seconds, finish))
+        self._lockstep = Lockstep(self._graph, stages, sinks, spans, calls)
+        self.record.engine = self._lockstep.engine
+        cleanup.callback(close, self._lockstep.engine.close)
 
     def perform(
-        self,
-        clock: SimulatedClock,
-        forecast: LogForecast | None,
-        on_tick: Callable[[int], None],
-        should_stop: Callable[[], bool],
+        self, forecast: LogForecast | None, on_tick: Callable[[int], None], should_stop: Callable[[], bool]
     ) -> None:
         """Run the stages to the end and read their scores."""
-        runner, tap = self._runner, self._tap
-        status = None if tap is None else LockstepStatus(runner, tap, self._run_id, lambda: tap.dropped)
+        record, engine, clock, tap = self.record, self._lockstep.engine, self.clock, self._tap
+        status = None if tap is None else LockstepStatus(self._graph, engine, tap, self._run_id, lambda: tap.dropped)
 
         def before_tick(utime: int) -> bool:
             on_tick(utime)
@@ -205,67 +168,37 @@ class _LockstepRun:
             return not should_stop()
 
         try:
-            with self._failures.noted():
+            with record.failures.noted():
                 self.writer.write(ABOUT, 0, self._about())
-                runner.reset(self._graph.run.seed)
+                self._lockstep.reset(self._graph.run.seed)
                 self._started_s = time.monotonic()
-                self.outcome = runner.run(self._graph.run.until_s, before_tick)
+                record.outcome = self._lockstep.run(self._graph.run.until_s, before_tick)
         except KeyboardInterrupt:
-            self.outcome = Outcome.STOPPED
-        with self._failures.noted():
-            runner.give_stops()
-        self._scores = scores_of(runner.units, self._failures.noted) if runner.is_ready else {}
+            record.outcome = Outcome.STOPPED
+        with record.failures.noted():
+            engine.give_stops(engine.sinks)
+        record.read_scores()
         self._wall_s = time.monotonic() - self._started_s
 
     def _about(self) -> bytes:
         """Return the first event of the log."""
         return encode(about_of(self._graph), 0, 0)
 
-    def summary(self, behind_s: float) -> Summary:
-        """Return the summary of a run that has ended."""
-        return Summary(
-            outcome=str(Outcome.FAILED if self._failures else self.outcome),
-            failure=str(self._failures),
-            graph=self._graph.path.stem,
-            seed=self._graph.run.seed,
-            until_s=self._graph.run.until_s,
-            frames=self._runner.ticks,
-            sim_s=self._runner.utime / 1e6,
-            wall_s=round(self._wall_s, 4),
-            stages=steps_of(self._runner.units),
-            scores=self._scores,
-            notices=list(self._graph.notices),
+    def _close_log(self) -> None:
+        self.writer.close()
+
+    def _measured(self) -> Measured:
+        return Measured(
+            sim_s=self._lockstep.engine.utime / 1e6,
+            wall_s=time.monotonic() - self._started_s if self._wall_s is None else self._wall_s,
+            behind_s=round(self.clock.behind_s, 4),
             tap_dropped=self._tap.dropped if self._tap is not None else 0,
-            run_id=self._run_id,
-            versions=versions(),
-            behind_s=round(behind_s, 4),
-            cause=self._failures.cause,
         )
 
 
 def _telling_what_is_kept(graph: Graph) -> Graph:
     """Return the graph for the log, which says what the log keeps, whatever the default is when it is read."""
     return replace(graph, run=replace(graph.run, record=record_option(graph.run.record, is_live=False)))
-
-
-def write_summary(summary: Summary, folder: Path) -> None:
-    """Write a summary into a run folder.
-
-    Raises
-    ------
-    GraphnavError
-        The file cannot be written.
-    """
-    try:
-        summary.write(folder / SUMMARY)
-    except GraphnavError as error:
-        raise GraphnavError(f"{error}; the log up to here is complete") from error
-
-
-def raise_if_asked_late(interrupt: Interrupt, summary: Summary) -> None:
-    """Raise `CtrlC` if the user asked for the end of a run that had reached its own: nothing may follow it."""
-    if interrupt.asked and summary.outcome not in (Outcome.STOPPED, Outcome.FAILED):
-        raise CtrlC
 
 
 def _begin(graph: Graph, folder: Path) -> Log:

@@ -18,6 +18,7 @@ from graphnav.machine.instruction_set import instruction_set
 from graphnav.runner.unit import Unit
 from graphnav.stage import Stage, reported_metrics
 
+SUMMARY = "summary.json"
 INSTRUCTION_SET = "instruction set"
 _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm", "pymunk", "pluggy", "pyyaml")
 
@@ -71,7 +72,7 @@ class Summary:
         return {key: _finite(value) for key, value in asdict(self).items()}
 
 
-def steps_of(units: Mapping[str, Unit]) -> dict[str, StageSteps]:
+def steps_of(units: Mapping[str, Unit[Any]]) -> dict[str, StageSteps]:
     """Return what each stage did."""
     return {
         name: StageSteps(
@@ -79,7 +80,7 @@ def steps_of(units: Mapping[str, Unit]) -> dict[str, StageSteps]:
             unit.durations.count,
             round(unit.durations.quantile_s(0.5) * 1e3, 4),
             round(unit.durations.quantile_s(0.99) * 1e3, 4),
-            unit.dropped,
+            unit.inbox.dropped,
             None if unit.node.deadline_ms is None else unit.missed,
         )
         for name, unit in units.items()
@@ -87,7 +88,7 @@ def steps_of(units: Mapping[str, Unit]) -> dict[str, StageSteps]:
 
 
 def scores_of(
-    units: Mapping[str, Unit], noted: Callable[[], AbstractContextManager[None]]
+    units: Mapping[str, Unit[Any]], noted: Callable[[], AbstractContextManager[None]]
 ) -> dict[str, dict[str, float]]:
     """Return the metrics of every stage that declares some.
 

@@ -11,10 +11,9 @@ from graphnav_steer.way import CELL_M, Way
 
 from graphnav import Latest, Map, State
 from graphnav.arrays import Doubles
-from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.graph import load_graph, parse_override
-from graphnav.runner import Runner
+from graphnav.runner import Lockstep
 
 RADIUS_M = 0.2
 
@@ -148,9 +147,9 @@ def test_missing_map_and_missing_goal_are_said() -> None:
 def test_swapped_in_it_nears_the_goal_of_a_map_that_ships(graph: str) -> None:
     sets = ["steer=steer.oracle", "steer.in.map=robot.map", "run.seed=7"]
     loaded = load_graph(graph, Catalog(), [*map(parse_override, sets)])
-    runner = Runner(loaded, loaded.make_stages(), Bus("memq://"), [])
-    runner.reset(7)
+    lockstep = Lockstep(loaded, loaded.make_stages(), [])
+    lockstep.reset(7)
     for _ in range(40):
-        assert runner.tick() is None
-    assert runner.units["drive"].stage.summary()["path_length_m"] > 0.8
-    runner.close()
+        assert lockstep.tick() is None
+    assert lockstep.engine.units["drive"].stage.summary()["path_length_m"] > 0.8
+    lockstep.engine.close()

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.bus import Bus
 from graphnav.catalog import Catalog
 from graphnav.errors import StageError
 from graphnav.graph import Graph, load_graph
 from graphnav.profiling.evaluate import profile_of
 from graphnav.profiling.profile import Profile
-from graphnav.profiling.profiled_runner import ProfiledRunner
 from graphnav.profiling.step_functions import StepFunctions
 from graphnav.profiling.stopwatch import Stopwatch
+from graphnav.profiling.tick_spans import TickSpans
+from graphnav.runner import Lockstep
 from graphnav.runner.recording.summary import Summary
 
 STAGES = Path(__file__).parents[1] / "runner" / "stages.py"
@@ -28,7 +28,7 @@ stages:
   plus: {use: probe.plus, in: {twist: count}}
   join: {use: probe.join, in: {a: count, b: plus}}
 """
-ProfileText = Callable[..., tuple[Profile, ProfiledRunner]]
+ProfileText = Callable[..., tuple[Profile, TickSpans]]
 
 
 class Kept:
@@ -56,26 +56,21 @@ def profile_text(tmp_path: Path) -> ProfileText:
         functions: StepFunctions | None = None,
         may_fail: bool = False,
         n_sinks: int = 1,
-    ) -> tuple[Profile, ProfiledRunner]:
+    ) -> tuple[Profile, TickSpans]:
         path = tmp_path / "graph.yaml"
         path.write_text(text)
         catalog = Catalog()
         catalog.add_file(STAGES)
         graph = load_graph(path, catalog)
         clock = itertools.count().__next__
-        with closing(Bus("memq://")) as bus:
-            runner = ProfiledRunner(
-                graph,
-                graph.make_stages(),
-                bus,
-                [Kept() for _ in range(n_sinks)],
-                watch=Stopwatch(clock),
-                functions=functions,
-            )
-            runner.reset(0)
+        spans = TickSpans(Stopwatch(clock), functions)
+        lockstep = Lockstep(graph, graph.make_stages(), [Kept() for _ in range(n_sinks)], spans)
+        with closing(lockstep.engine):
+            lockstep.reset(0)
             with suppress(StageError) if may_fail else nullcontext():
                 for _ in range(n_ticks):
-                    runner.tick()
-            return profile_of(runner, summary_of(graph), "wall", 0.0), runner
+                    lockstep.tick()
+            assert lockstep.engine.ticks == spans.kinds.total()
+        return profile_of(graph, spans, summary_of(graph), "wall", 0.0), spans
 
     return profiled

@@ -12,9 +12,9 @@ import pytest
 from graphnav.machine.console import Console
 from graphnav.profiling import step_functions
 from graphnav.profiling.profile import Profile
-from graphnav.profiling.profiled_runner import WARM_UP, TickKind
 from graphnav.profiling.step_functions import Function, StepFunctions
 from graphnav.profiling.text import print_profile
+from graphnav.profiling.tick_spans import WARM_UP, TickKind
 
 from .conftest import GRAPH, ProfileText
 
@@ -23,9 +23,9 @@ NS = 1e-6
 
 
 def test_the_parts_of_a_tick_are_counted_to_the_nanosecond(profile_text: ProfileText) -> None:
-    profile, runner = profile_text()
-    assert runner.kinds[TickKind.WARM_UP] == WARM_UP
-    assert sum(runner.kinds.values()) == 120
+    profile, spans = profile_text()
+    assert spans.kinds[TickKind.WARM_UP] == WARM_UP
+    assert sum(spans.kinds.values()) == 120
     # Each of 3 stages steps once and encodes one message for the log; those of count and plus are consumed.
     expected = {"step": 3, "encode": 3, "log": 3, "decode": 2, "deliver": 4, "tap": 0, "instruments": 0}
     assert {part: profile.parts[part] / NS for part in expected} == pytest.approx(expected)
@@ -55,9 +55,9 @@ def test_the_second_receiver_is_the_tap(profile_text: ProfileText) -> None:
 
 def test_channels_say_how_often_they_are_sent_and_decoded(profile_text: ProfileText) -> None:
     text = GRAPH.replace("probe.counter", "probe.counter, with: {every: 2}").replace("until_s: 20", "until_s: 100")
-    profile, runner = profile_text(text, 700)
+    profile, spans = profile_text(text, 700)
     by_name = {channel.name: channel for channel in profile.channels}
-    timed = runner.kinds[TickKind.TIMED]
+    timed = spans.kinds[TickKind.TIMED]
     assert set(by_name) == {"count.twist", "plus.twist", "join.twist"}
     assert 0.4 < by_name["count.twist"].messages < 0.6  # a fixed sequence picks the timed ticks
     assert by_name["count.twist"].decodes == by_name["count.twist"].messages
@@ -77,8 +77,8 @@ stages:
   rare: {{use: probe.counter, with: {{every: {every}}}}}
   bad: {{use: probe.bad, with: {{at: 1}}, in: {{twist: rare}}}}
 """
-    profile, runner = profile_text(text, may_fail=True)
-    assert runner.ticks == sum(runner.kinds.values()) == every  # it failed in the next one
+    profile, spans = profile_text(text, may_fail=True)
+    assert spans.kinds.total() == every  # it failed in the next one
     assert [stage.name for stage in profile.stages] == ["count", "rare"]
     assert {node.label for node in profile.tree.children} == {"count", "rare"}
     assert [(one.name, one.messages) for one in profile.channels] == [("count.twist", 1.0)]
@@ -89,8 +89,8 @@ def test_functions_take_their_share_of_the_step(profile_text: ProfileText, monke
     found = Function("Plus.step", "runner/stages.py:60", 1.0, {("f", "x"): Function("f", "x", 0.25)})
     monkeypatch.setattr(StepFunctions, "of", lambda self, stage: [found] if stage == "plus" else [])
     pytest.importorskip("pyinstrument")
-    profile, runner = profile_text(functions=StepFunctions())
-    assert runner.kinds[TickKind.SAMPLED] > 0
+    profile, spans = profile_text(functions=StepFunctions())
+    assert spans.kinds[TickKind.SAMPLED] > 0
     step = next(node for node in profile.tree.walk() if node.kind == "step" and node.note == "plus")
     (function,) = step.children
     assert (function.label, function.kind, function.ms) == ("Plus.step", "function", step.ms)

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 from graphnav.graph import Graph
-from graphnav.runner.recording.run_recorded import SUMMARY, run_recorded
+from graphnav.runner.lockstep_inbox import LockstepInbox
+from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.runner.recording.summary import SUMMARY
 
 Load = Callable[[str], Graph]
 
@@ -47,3 +53,22 @@ def test_steps_over_their_deadline_are_counted(load: Load, tmp_path: Path) -> No
     """)
     stages = run_recorded(graph, graph.make_stages(), tmp_path).stages
     assert {name: did.missed for name, did in stages.items()} == {"n": None, "late": 11, "early": 0, "free": None}
+
+
+def test_a_deadline_covers_the_delivery_of_what_a_step_publishes(
+    load: Load, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put = LockstepInbox.put
+
+    def slow_put(*message: Any) -> None:
+        time.sleep(0.003)
+        put(*message)
+
+    monkeypatch.setattr(LockstepInbox, "put", slow_put)
+    graph = load("""
+        run: {until_s: 0.1}
+        stages:
+          n: {use: probe.counter, with: {rate_hz: 20}, deadline_ms: 2}
+          free: {use: probe.plus, in: {twist: n.twist}}
+    """)
+    assert run_recorded(graph, graph.make_stages(), tmp_path).stages["n"].missed == 3

@@ -1,22 +1,20 @@
-"""Step stages by the ticks of a log; messages of other stages are played from it."""
+"""The schedule of a lockstep log: stages step by its ticks; messages of other stages are played from it."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from graphnav.bus import Bus
 from graphnav.codec import decode
 from graphnav.errors import StageError
-from graphnav.graph import Channel
-from graphnav.messages import Message
 from graphnav.record import Recording
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.schedule import Tick
 from graphnav.replay.plan import Plan
 from graphnav.replay.stepping.reproduced_sources import Made, ReproducedSources
-from graphnav.runner.owned_stages import Sink
-from graphnav.runner.wired_stages import WiredStages, command_channels
+from graphnav.runner.engine import Engine, Sink
+from graphnav.runner.lockstep import command_channels, fire_complete
+from graphnav.runner.lockstep_inbox import LockstepInbox
 from graphnav.stage import Stage
 
 
@@ -42,8 +40,8 @@ class Sinks(NamedTuple):
     logs: Sequence[Sink] = ()
 
 
-class ReplayRunner(WiredStages):
-    """Owns the stepping stages; fires them tick by tick of the log, in the firing order of the complete graph.
+class TickReplay:
+    """Fires the stepping stages tick by tick of the log, in the firing order of the complete graph.
 
     ``again``: the sources that make again what the log leaves out.
     """
@@ -52,18 +50,24 @@ class ReplayRunner(WiredStages):
         self,
         plan: Plan,
         stages: Mapping[str, Stage],
-        bus: Bus,
         recording: Recording,
         timetable: Timetable,
         sinks: Sinks,
         again: ReproducedSources | None = None,
     ) -> None:
-        super().__init__(plan.stepped, stages, bus, (*sinks.results, *sinks.logs))
+        self._played = {channel.name for channel in plan.played}
+        self.engine = Engine(
+            plan.stepped.nodes,
+            stages,
+            (*sinks.results, *sinks.logs),
+            LockstepInbox,
+            LockstepInbox.put,
+            played=self._played,
+            commands=command_channels(plan.graph),
+        )
         self._recording, self._timetable = recording, timetable
         self._results, self._player_sinks = sinks
         self._again = again
-        self._commands = {channel.name: channel for channel in command_channels(plan.graph)}
-        self._played = {channel.name for channel in plan.played}
         self._messages = {channel.name: channel.message for channel in plan.graph.channels.values()}
         outside = dict.fromkeys(channel.stage for channel in plan.played if channel.ref in plan.graph.inputs)
         self._firing_order = [*outside, *(node.name for node in (*plan.graph.sources, *plan.graph.order))]
@@ -78,22 +82,21 @@ class ReplayRunner(WiredStages):
         """
         if self._again is not None:
             self._again.reset()
-        super().reset(seed)
+        self.engine.reset(seed)
 
     def close(self) -> None:
-        """Close the stages and the bus.
+        """Close the stages.
 
         Raises
         ------
         StageError
             The first failure, after every stage was closed.
         """
-        self._bus.close()
         try:
             if self._again is not None:
-                self._again.close()
+                self._again.engine.close()
         finally:
-            super().close()
+            self.engine.close()
 
     def replay(self) -> Iterator[int]:
         """Process the ticks; yield the timestamp of each one, microseconds.
@@ -119,9 +122,8 @@ class ReplayRunner(WiredStages):
                 data = self._recording.event(stop.channel, stop.place).data
                 for sink in self._player_sinks:
                     sink.write(stop.channel, stop.utime, data)
-        self._sinks = self._player_sinks
         if self._timetable.stops:
-            self.give_stops()
+            self.engine.give_stops(self._player_sinks)
 
     def _replay(self) -> Iterator[int]:
         self._catch_up()
@@ -132,9 +134,9 @@ class ReplayRunner(WiredStages):
             for stamp in self._due_before(tick.utime):
                 self._tick(Tick(stamp))
             self._tick(tick)
-            self.ticks += 1
+            self.engine.ticks += 1
             yield tick.utime
-        while self._again is not None and self._again.utime < self._timetable.end_us:
+        while self._again is not None and self._again.engine.utime < self._timetable.end_us:
             self._tick(Tick(self._again.next_due()))
 
     def _due_before(self, utime: int) -> Iterator[int]:
@@ -155,19 +157,19 @@ class ReplayRunner(WiredStages):
 
     def _tick(self, tick: Tick) -> None:
         """Publish the messages of a tick and fire the stages whose plain inputs are then complete."""
-        self.utime = tick.utime
+        self.engine.utime = tick.utime
         for name in self._firing_order:
             made = self._again.fire(name, tick.utime) if self._again is not None else []
             for message in merged(tick.played.get(name, ()), made, self._played):
                 if isinstance(message, Made):
-                    self._pass_on(message.channel.name, message.utime, message.data, self._sinks)
+                    self.engine.play(message.channel.name, message.utime, message.data, self.engine.sinks)
                 else:
                     self._play(message)
             for one in made:
                 if one.channel.name in self._played:
                     self._compare(one)
-            if (unit := self._units.get(name)) is not None:
-                self._fire_complete(unit, tick.utime)
+            if (unit := self.engine.units.get(name)) is not None:
+                fire_complete(self.engine, unit, tick.utime)
 
     def _compare(self, made: Made) -> None:
         """Compare a message that is made again with the recorded one, which is played."""
@@ -176,33 +178,19 @@ class ReplayRunner(WiredStages):
 
     def _prime(self, name: str, utime: int, data: bytes) -> None:
         """Deliver a message from before the first tick to stages that sample its channel; it fires no stage."""
-        readers = [
-            (u, i.port) for u in self._units.values() for i in u.node.inputs if i.channel and i.channel.name == name
-        ]
-        sampling = [(unit, port.name) for unit, port in readers if port.latest]
+        readers = self.engine.readers.get(name, ())
+        sampling = [(unit, port) for unit, port in readers if port.latest]
         if sampling and not any(port.is_plain for _, port in readers):
             for sink in self._player_sinks:
                 sink.write(name, utime, data)
         sent, _, value = decode(self._messages[name], data)
-        for unit, port_name in sampling:
-            unit.deliver(port_name, sent, value)
+        for unit, port in sampling:
+            unit.inbox.put(port, sent, 0, value)
 
     def _play(self, message: Logged) -> None:
-        if message.channel in self._consumed or self._player_sinks:
+        if message.channel in self.engine.readers or self._player_sinks:
             data = self._recording.event(message.channel, message.place).data
-            self._pass_on(message.channel, message.utime, data, self._player_sinks)
-
-    def _pass_on(self, name: str, utime: int, data: bytes, sinks: Sequence[Sink]) -> None:
-        for sink in sinks:
-            sink.write(name, utime, data)
-        if name in self._consumed:
-            self._bus.publish(name, data)
-            self._bus.drain()
-
-    def _publish(self, channel: Channel, utime: int, message: Message) -> None:
-        """Publish the output of a stage, unless the channel is played."""
-        if channel.name not in self._played:
-            super()._publish(channel, utime, message)
+            self.engine.play(message.channel, message.utime, data, self._player_sinks)
 
 
 def merged(recorded: Sequence[Logged], made: Sequence[Made], played: Collection[str]) -> Iterator[Logged | Made]:

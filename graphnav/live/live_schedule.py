@@ -1,0 +1,323 @@
+"""The schedule of live runs: stages fire on the arrival of inputs, sources and timers on the wall clock."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+
+from graphnav.codec import encode
+from graphnav.graph import Channel, Graph, Node
+from graphnav.live.clock import LiveClock
+from graphnav.live.firing import FIRED, Taken, Used, encoded_firing
+from graphnav.live.inputs.intake import Intake, Received
+from graphnav.live.join import MatchedSet
+from graphnav.live.live_inbox import LiveInbox
+from graphnav.live.outlet import Outlet
+from graphnav.live.timer import Timer, every
+from graphnav.messages import GuardState, Message
+from graphnav.runner.engine import Engine, Outcome, Sink
+from graphnav.runner.stage_calls import StageCalls
+from graphnav.runner.unit import Unit
+from graphnav.stage import Port, Stage
+
+_MAX_UNLOGGED = 32
+"""Maximum number of firings pending for the log if the run is never idle."""
+_MAX_WAIT_S = 0.05
+"""Interval of the checks whether the run should stop while no input arrives."""
+
+
+class StampedNow:
+    """Writes messages to several sinks, stamped now: senders' clocks may differ."""
+
+    def __init__(self, sinks: Sequence[Sink], clock: LiveClock) -> None:
+        self._sinks, self._clock = sinks, clock
+
+    def write(self, channel: str, _utime: int, data: bytes) -> None:
+        """Write one message."""
+        now = self._clock.now()
+        for sink in self._sinks:
+            sink.write(channel, now, data)
+
+
+class LiveSchedule:
+    """Fires the stages of a graph in a live run; one thread fires them all.
+
+    At every turn one stage fires: a timer (``every_ms``) that is due, else a stage whose plain inputs are complete,
+    the one nearest to the end of the graph first, else a source that is due. The kinds take turns, so that a timer or a
+    source that takes longer than its period does not starve other stages. Messages that a slow stage misses are
+    overtaken, not queued. ``sinks`` get every message, stamped now, ``firings`` the inputs of every step, for replays.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        stages: Mapping[str, Stage],
+        clock: LiveClock,
+        intakes: Sequence[Intake],
+        wake: threading.Event,
+        sinks: Sequence[Sink],
+        firings: Sink | None,
+        calls: StageCalls | None = None,
+    ) -> None:
+        self.graph = graph
+        self.clock = clock
+        self.step_began: tuple[str, float] | None = None
+        """The running stage and the start of its step, for other threads; None between two steps."""
+        self.sink = StampedNow(sinks, clock)
+        """Takes every message of the run, and its status."""
+        self.outlets: dict[str, Outlet] = {}
+        """By the reference of the channel that is sent."""
+        self.guard_states: dict[str, GuardState] = {}
+        """The newest state of each guard, by its stage."""
+        self.intakes = {intake.source.channel.ref: intake for intake in intakes}
+        self.engine = Engine(
+            graph.nodes,
+            stages,
+            [self.sink],
+            self._inbox,
+            self._arrived,
+            published=self._send,
+            begin_us=clock.start_utime,
+            calls=calls,
+        )
+        self._firing_log = firings
+        self._unlogged: list[tuple[int, str, int, float, Sequence[Used]]] = []
+        self._wake = wake
+        self._newest_stamp = clock.start_utime
+        self._order = [self.engine.units[node.name] for node in reversed(graph.order)]
+        self._clocked: list[tuple[Timer, Unit[LiveInbox]]] = []
+        self._sources: list[tuple[Timer, Unit[LiveInbox]]] = []
+        self._source_was_last = self._timer_was_last = False
+        self._birth_s = self._origin_s = math.nan
+        """Of what arrives and is sent at the moment: see `LiveInbox`."""
+
+    @property
+    def skipped(self) -> int:
+        """Firings of sources skipped because they were late by more than a period."""
+        return sum(timer.skipped for timer, _ in self._sources)
+
+    def overtaken(self) -> Counter[str]:
+        """Return the number of overtaken messages by edge, ``stage.port``, without zeros."""
+        counts = (
+            (f"{name}.{port}", n)
+            for name, unit in self.engine.units.items()
+            for port, n in unit.inbox.join.overtaken.items()
+        )
+        return Counter({edge: count for edge, count in counts if count})
+
+    def reset(self, seed: int) -> None:
+        """Reset the state of every stage from ``seed``.
+
+        Raises
+        ------
+        StageError
+            A stage cannot be reset.
+        """
+        self.engine.reset(seed)
+        now_s = self.clock.now_s()
+        units = self.engine.units
+        self._clocked = [(Timer(every(u.node.every_ms / 1e3), now_s), u) for u in units.values() if u.node.every_ms]
+        sources = [units[node.name] for node in self.graph.sources]
+        self._sources = [(Timer(_after_s(unit), now_s), unit) for unit in sources]
+
+    def is_needed(self, ref: str) -> bool:
+        """Whether a stage cannot fire without this input, by reference."""
+        return not all(port.latest for _, port in self._readers(self.intakes[ref].source.channel.name))
+
+    def behind_s(self, now_s: float) -> float:
+        """Return the lateness of the latest source or timer in seconds."""
+        return max([0.0, *(now_s - timer.due_s for timer, _ in (*self._clocked, *self._sources))])
+
+    def run(self, until_s: float | None, keep_going: Callable[[], bool], is_over: Callable[[], bool]) -> str:
+        """Take turns until a source ends the run, ``until_s`` seconds have passed, or ``keep_going`` returns False.
+
+        ``is_over`` returns whether no more input can arrive; it is called when idle.
+
+        Raises
+        ------
+        StageError
+            A stage raised, or returned something invalid.
+        """
+        end_s = math.inf if until_s is None else self.clock.now_s() + until_s
+        fired = False
+        while True:
+            if self.clock.now_s() >= end_s:
+                return Outcome.TIMEOUT
+            if not keep_going():
+                return Outcome.STOPPED
+            if self._wake.is_set() or not fired:
+                self._wake.clear()
+                self._take_inputs()
+            outcome, fired = self._turn()
+            if outcome is not None:
+                self._finish()
+                return outcome
+            if not fired and is_over():
+                return Outcome.END
+            if not fired:
+                self._log_firings()
+                self._wake.wait(self._wait_s(end_s))
+
+    def close(self) -> None:
+        """Close every stage, even if another one fails to close.
+
+        Raises
+        ------
+        StageError
+            The first failure, after every stage was closed.
+        """
+        self._log_firings()
+        self.engine.utime = self.clock.now()
+        self.engine.close()
+
+    def _turn(self) -> tuple[str | None, bool]:
+        """Fire one stage; return the outcome if a source ended the run, and whether a stage fired."""
+        now_s = self.clock.now_s()
+        was_timer, self._timer_was_last = self._timer_was_last, False
+        if was_timer:
+            outcome, fired = self._turn_untimed(now_s)
+            if fired:
+                return outcome, True
+        due = [pair for pair in self._clocked if pair[0].is_due(now_s)]
+        if not due:
+            return self._turn_untimed(now_s)
+        timer, unit = min(due, key=lambda pair: pair[0].due_s)
+        timer.advance(now_s)
+        self._timer_was_last = True
+        return self._fire_timer(unit, now_s), True
+
+    def _turn_untimed(self, now_s: float) -> tuple[str | None, bool]:
+        """Fire a stage whose inputs are complete or a source that is due; the same result as `_turn`."""
+        due = next(((timer, unit) for timer, unit in self._sources if timer.is_due(now_s)), None)
+        if due is None or self._source_was_last:
+            for unit in self._order:
+                if (matched := unit.inbox.ready(now_s, unit.patience_s)) is not None:
+                    self._source_was_last = False
+                    outcome = self._fire_set(unit, matched, now_s)
+                    unit.judge_deadline(matched.ready_s, self.clock.now_s())
+                    return outcome, True
+        if due is None:
+            return None, False
+        timer, unit = due
+        utime = self.clock.utime_at(timer.due_s)
+        timer.advance(now_s)
+        self._source_was_last = True
+        return self._fire(unit, utime, unit.inbox.take_no_set(now_s, now_s)), True
+
+    def _finish(self) -> None:
+        """Step with the messages that the source published when it ended the run."""
+        for unit in reversed(self._order):
+            if (matched := unit.inbox.ready(math.inf, unit.patience_s)) is not None:
+                self._fire_set(unit, matched, self.clock.now_s())
+
+    def _fire_set(self, unit: Unit[LiveInbox], matched: MatchedSet, now_s: float) -> str | None:
+        utime = self._own_stamp(now_s) if unit.inbox.is_clocked else matched.utime
+        return self._fire(unit, utime, unit.inbox.take_set(matched, now_s))
+
+    def _fire_timer(self, unit: Unit[LiveInbox], now_s: float) -> str | None:
+        return self._fire(unit, self._own_stamp(now_s), unit.inbox.take_timer(now_s, unit.patience_s))
+
+    def _fire(self, unit: Unit[LiveInbox], utime: int, taken: Taken | None) -> str | None:
+        """Step a stage, unless its timer found nothing to step with."""
+        outcome = None
+        if taken is not None:
+            self._birth_s, self._origin_s = unit.inbox.birth_s, unit.inbox.origin_s
+            self.step_began = unit.node.name, self.clock.now_s()
+            self._note_firing(unit, utime, taken)
+            outcome = self.engine.fire(unit, utime, taken.inputs, taken.age_s)
+            self.step_began = None
+        self.engine.ticks += 1
+        return outcome
+
+    def _wait_s(self, end_s: float) -> float:
+        """Return the time until the next event other than the arrival of an input."""
+        now_s = self.clock.now_s()
+        due_s = min((timer.due_s for timer, _ in (*self._clocked, *self._sources)), default=math.inf)
+        waking_s = min((unit.inbox.wakes_at_s(unit.patience_s) for unit in self._order), default=math.inf)
+        return max(0.0, min(due_s, waking_s, end_s, now_s + _MAX_WAIT_S) - now_s)
+
+    def _take_inputs(self) -> None:
+        for intake in self.intakes.values():
+            before = intake.overtaken
+            for received in intake.take():
+                self._deliver_input(intake, received)
+            if intake.overtaken > before:
+                for unit, port in self._readers(intake.source.channel.name):
+                    if port.is_plain:
+                        unit.inbox.join.overtaken[port.name] += intake.overtaken - before
+
+    def _deliver_input(self, intake: Intake, received: Received) -> None:
+        name = intake.source.channel.name
+        if received.is_restart:
+            self._restart(name)
+        number = self.engine.number(name)
+        self._birth_s = received.birth_s
+        self.engine.deliver(name, received.utime, number, received.message)
+        self.sink.write(name, received.utime, received.raw or encode(received.message, received.utime, number))
+
+    def _restart(self, name: str) -> None:
+        """Drop what was made from an input that restarts; guards fire at once without it, which is a stop."""
+        restarted: dict[str, Unit[LiveInbox]] = {}
+        pending = [name]
+        while pending:
+            for unit, port in self._readers(pending.pop()):
+                if not port.latest and unit.node.name not in restarted:
+                    restarted[unit.node.name] = unit
+                    pending += [one.name for one in unit.node.outputs.values()]
+        for unit in restarted.values():
+            unit.inbox.restart()
+        for _, unit in self._clocked:
+            if unit.node.name in restarted:
+                self._fire_timer(unit, self.clock.now_s())
+
+    def withhold_commands(self, *, is_withheld: bool) -> None:
+        """Give guards no command from now on, or again: one that is not sent must not count as driven."""
+        for unit in self.engine.units.values():
+            if unit.node.stage_class.is_guard:
+                unit.inbox.withhold(is_withheld=is_withheld)
+
+    def _readers(self, channel: str) -> Sequence[tuple[Unit[LiveInbox], Port]]:
+        return self.engine.readers.get(channel, ())
+
+    def _inbox(self, node: Node) -> LiveInbox:
+        return LiveInbox(node, self.graph.queues, self._fault_of)
+
+    def _arrived(self, inbox: LiveInbox, port: Port, utime: int, number: int, message: Message) -> None:
+        inbox.put(port, utime, number, message, self._birth_s, self.clock.now_s())
+
+    def _send(self, channel: Channel, utime: int, _number: int, message: Message, data: bytes) -> None:
+        """Send an output to other programs, and keep the state of a guard."""
+        if isinstance(message, GuardState):
+            self.guard_states[channel.stage] = message
+        if (outlet := self.outlets.get(channel.ref)) is not None:
+            outlet.publish(message, data, utime, self._birth_s, self._origin_s)
+
+    def _note_firing(self, unit: Unit[LiveInbox], utime: int, taken: Taken) -> None:
+        """Keep a firing for the log until the run is idle: no command waits for the log."""
+        if self._firing_log is not None:
+            self._unlogged.append((self.clock.now(), unit.node.name, utime, taken.age_s, taken.used))
+            if len(self._unlogged) >= _MAX_UNLOGGED:
+                self._log_firings()
+
+    def _log_firings(self) -> None:
+        for at_us, stage, utime, age_s, used in self._unlogged:
+            if self._firing_log is not None:
+                data = encoded_firing(at_us, stage, utime, self.engine.number(FIRED), age_s, used)
+                self._firing_log.write(FIRED, self.clock.now(), data)
+        self._unlogged.clear()
+
+    def _own_stamp(self, now_s: float) -> int:
+        """Return a stamp of the run's own clock, later than all earlier ones."""
+        self._newest_stamp = max(self._newest_stamp + 1, self.clock.utime_at(now_s))
+        return self._newest_stamp
+
+    def _fault_of(self, ref: str, now_s: float) -> str:
+        intake = self.intakes.get(ref)
+        return intake.monitor.fault(now_s) if intake is not None else ""
+
+
+def _after_s(unit: Unit[LiveInbox]) -> Callable[[int], float]:
+    """Return when each firing of a source is due, in seconds after the first one."""
+    return lambda firing: unit.due_us(firing) * 1e-6
