@@ -355,10 +355,11 @@ def _real_file(path: Path) -> str:
     try:
         if path.is_file():
             return str(path.resolve())
+        what = "is not a file" if path.exists() else "file not found"
         near: Hint = did_you_mean(path.name, (p.name for p in path.parent.glob("*.py")))
     except (OSError, ValueError):  # a name too long, or with a null character
-        near = ""
-    raise CatalogError(f"plugin {path}: file not found", near)
+        what, near = "file not found", ""
+    raise CatalogError(f"plugin {path}: {what}", near)
 
 
 def _import_file(path: Path, source: bytes | None) -> ModuleType:

@@ -213,7 +213,7 @@ def test_a_nearly_full_disk_is_not_filled(run: Run, capsys: Capture, monkeypatch
     run()
     monkeypatch.setattr(completed_log, "_MIN_FREE_BYTES", 1 << 60)
     assert main(["spy", "run", "--once"]) == 0
-    assert "MiB would stay free\n  what it holds is shown; free space there" in capsys.readouterr().err
+    assert "MiB would stay free\n  only what it holds is shown; free space there" in capsys.readouterr().err
     assert not cached()
 
 
