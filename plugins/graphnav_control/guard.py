@@ -63,12 +63,13 @@ class Guard(Stage):
     are added up. Odometry that stands as the picture does, against commands of 0.1 m and more in 2 s, is not believed.
     A picture that only repeats is not frozen, since a robot that stands sees the same picture; a plane is not fresh
     evidence, since it is made of the same picture. And it stands where ``odometry``, as `odometry.motion` checks it,
-    contradicts the picture ("jump", "motionless", "reversed", "scale").
+    contradicts the picture ("jump", "turn_jump", "motionless", "reversed", "scale").
 
     Both hold the robot beyond the evidence, which is gone when it stands. After a second it retries once, slowly and
-    ``retry_m`` at most, and drives on if the input now follows its motion. If not, it stands until the guard is armed
-    (by a ``stop`` message that is not engaged) or the picture changes, which allows another such retry, five in all, or
-    until an operator has driven it by ``override`` and the input has followed.
+    ``retry_m`` at most, and drives on if the input now follows its motion. If not, or if odometry has not agreed with
+    the picture since the start, it stands until the guard is armed (by a ``stop`` message that is not engaged) or the
+    picture changes, which allows another such retry, five in all, or until an operator has driven it by ``override``
+    and the input has followed.
 
     A fresh ``override`` (teleoperation) replaces the command and is exempt from these rules; their causes are still
     published. When it is older than ``override_max_age_s``, it has ended, and the command drives again. One that comes
@@ -184,7 +185,7 @@ class Guard(Stage):
         mount = Mount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
         self._shown = ShownMotion(mount, self.frozen_px, self.frozen_s)
         self._picture, self._odometry = Latch(self.retry_m), Latch(self.retry_m)
-        self._odometry_cause = Cause("", "odometry")
+        self._odometry_cause, self._has_agreed = Cause("", "odometry"), False
         self._order: tuple[Stop | None, int | None] = None, None
         self._was_driven = False
         self._override, self._has_returned = Staleness(), False
@@ -331,13 +332,16 @@ class Guard(Stage):
             return causes
         if check.fault:
             self._odometry_cause = Cause(check.fault, "odometry", check.value, check.limit)
+        agrees = check.agrees and not check.fault
+        self._has_agreed |= agrees
         is_driven = self._sent.moved(utime - 2 * SETTLE_US, utime)
         self._odometry.update(
             utime,
             retried_m,
             is_faulty=bool(check.fault) and (is_driven or not self._odometry.is_free),
-            is_proven=check.agrees and not check.fault,
+            is_proven=agrees,
             is_new=is_armed,
+            is_known=self._has_agreed,
         )
         if check.fault and self._odometry.is_free:
             return [self._odometry_cause]

@@ -26,7 +26,7 @@ class Latch:
     If the input follows the motion meanwhile, it is trusted again, and all is as before the fault. If not, the robot
     stands for good, it is latched. A further retry, again of at most ``retry_m``, takes something new: a person who
     arms the guard, or a picture that changed; after 5 in vain there are no more. Where an operator drives, the input is
-    trusted again only if it followed.
+    trusted again only if it followed. An input that was never seen to follow is not retried by itself.
     """
 
     def __init__(self, retry_m: float) -> None:
@@ -34,6 +34,7 @@ class Latch:
         self._left_m = 0.0
         self._state = _State.FREE
         self._n_retries = 0
+        self._retries_itself = True
         self._since = 0
 
     @property
@@ -49,18 +50,21 @@ class Latch:
     @property
     def is_latched(self) -> bool:
         """Whether the robot stands until something new comes."""
-        return self._state is _State.STANDING and self._n_retries > 0
+        return self._state is _State.STANDING and not self._retries_itself
 
     @property
     def speed_mps(self) -> float:
         """The maximum speed of a retry."""
         return self._retry_m / RETRY_S
 
-    def update(self, utime: int, retried_m: float, *, is_faulty: bool, is_proven: bool, is_new: bool) -> bool:
+    def update(
+        self, utime: int, retried_m: float, *, is_faulty: bool, is_proven: bool, is_new: bool, is_known: bool = True
+    ) -> bool:
         """Go on by one firing; return whether the state changed.
 
         ``retried_m``: driven by the last command, not by an operator. ``is_faulty``: the fault shows. ``is_proven``:
-        the input has followed the robot. ``is_new``: the guard was armed, or the picture changed.
+        the input has followed the robot. ``is_new``: the guard was armed, or the picture changed. ``is_known``: the
+        input has followed the robot at some time before.
         """
         before = self._state
         if is_proven:
@@ -73,7 +77,8 @@ class Latch:
             self._state, self._since = _State.STANDING, utime
         elif self._state is _State.STANDING:
             waited = utime - self._since >= RETRY_AFTER_US
-            if self._n_retries < MAX_RETRIES and (is_new or (waited and not self._n_retries)):
+            if self._n_retries < MAX_RETRIES and (is_new or (waited and self._retries_itself)):
                 self._state, self._left_m = _State.RETRYING, self._retry_m
                 self._n_retries += 1
+        self._retries_itself = is_known and not self._n_retries
         return self._state is not before

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from graphnav.ablation.plan import Case, Plan
 from graphnav.ablation.results.comparison import Difference, Estimate
 from graphnav.ablation.results.metric_values import Values, is_binary, values_of
-from graphnav.ablation.results.records import Record
+from graphnav.ablation.results.records import Record, are_cut_off
 from graphnav.ablation.results.study_values import difference, estimate
 from graphnav.ablation.study import MetricExpression
 from graphnav.ablation.study.study import BASE, COMMON, CONDITION
-from graphnav.runner import Outcome
 from graphnav.stage import Better
 
 
@@ -69,7 +68,7 @@ def _losses(plan: Plan, runs: dict[tuple[str, str], list[Record]]) -> Iterator[L
         of_source = [
             run for case in plan.cases if case.source == source for run in runs.get((case.graph, case.variant), ())
         ]
-        is_cut_off = _are_cut_off(plan, of_source)
+        is_cut_off = are_cut_off(plan, of_source)
         for metric in map(MetricExpression.parse, plan.metrics):
             is_common = plan.decomposition.has_common_drive and plan.is_of_frames(metric.text)
             cases = {
@@ -94,13 +93,6 @@ def _losses(plan: Plan, runs: dict[tuple[str, str], list[Record]]) -> Iterator[L
                 plan.span(metric.text),
                 is_cut_off and not plan.is_of_frames(metric.text),
             )
-
-
-def _are_cut_off(plan: Plan, runs: Sequence[Record]) -> bool:
-    """Return whether the time limit ended all runs, of drives that can arrive, and none has arrived."""
-    outcomes = [name for name, metric in plan.declared.items() if metric.is_outcome]
-    arrived = [run.metrics[name] for run in runs for name in outcomes if name in run.metrics]
-    return bool(arrived) and not any(arrived) and all(run.outcome == Outcome.TIMEOUT for run in runs)
 
 
 @dataclass(frozen=True)

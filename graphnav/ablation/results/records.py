@@ -130,6 +130,14 @@ def in_plan_order(plan: Plan, records: Iterable[Record]) -> list[Record]:
     return sorted(records, key=lambda record: (cases[record.graph, record.variant], seeds[record.seed]))
 
 
+def are_cut_off(plan: Plan, runs: Iterable[Record]) -> bool:
+    """Return whether the time limit ended all runs, of drives that can arrive, and none has arrived."""
+    outcomes = [name for name, metric in plan.declared.items() if metric.is_outcome]
+    made = list(runs)
+    arrived = [run.metrics[name] for run in made for name in outcomes if name in run.metrics]
+    return bool(arrived) and not any(arrived) and all(run.outcome == Outcome.TIMEOUT for run in made)
+
+
 def _metrics(scores: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
     return {
         former_names.metric_now(f"{stage}.{metric}"): float(value)

@@ -11,7 +11,7 @@ import numpy as np
 from graphnav.ablation.plan import Plan
 from graphnav.ablation.results.comparison import Comparison, Difference
 from graphnav.ablation.results.metric_values import is_binary, paired_differences, values_of
-from graphnav.ablation.results.records import Record, in_plan_order
+from graphnav.ablation.results.records import Record, are_cut_off, in_plan_order
 from graphnav.ablation.results.statistics import ALPHA, min_worlds
 from graphnav.ablation.study import MetricExpression
 from graphnav.arrays import Doubles
@@ -20,6 +20,9 @@ POWER = 0.8
 """Share of studies of that many worlds which would find the difference clear."""
 MAX_WORLDS = 10_000
 """A difference that needs more is practically none."""
+
+
+_CUT_OFF = "every run hit the time limit before it arrived, which shows nothing: --set run.until_s=SECONDS"
 
 
 def worlds_needed(differences: Doubles, *, binary: bool, comparisons: int = 1) -> int | None:
@@ -73,7 +76,10 @@ def sample_size_texts(plan: Plan, comparison: Comparison, records: Sequence[Reco
                 continue
             differences = paired_differences(values[graph, row.case.variant], values[graph, base])
             needed = worlds_needed(differences, binary=binary, comparisons=found.significance.family)
-            variants.setdefault((found.n, _needs(needed, found)), []).append(row.case.variant)
+            both = runs[graph, row.case.variant] + runs[graph, base]
+            is_cut_off = are_cut_off(plan, both) and not plan.is_of_frames(column.text)
+            needs = _CUT_OFF if is_cut_off else _needs(needed, found)
+            variants.setdefault((found.n, needs), []).append(row.case.variant)
         for (n, needs), names in variants.items():
             yield f"{graph}, {', '.join(names)}: {column.text} is not clear after {n} worlds; {needs}"
 

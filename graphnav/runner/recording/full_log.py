@@ -23,7 +23,7 @@ class FullLog:
     """A log of everything that a run published, beside the log of its folder, which leaves out what can be made again.
 
     Its file has no name from the start, so that it takes no space once this process has ended, however it ends. If the
-    disk gets full the full log is given up: then pictures show what the log of the folder holds.
+    disk gets full, or refuses it, the full log is given up: then pictures show what the log of the folder holds.
     """
 
     def __init__(self) -> None:
@@ -73,8 +73,9 @@ class FullLog:
         if self._is_given_up:
             folder = shown_path(log.parent)
             tell(
-                f"the pictures show only what the log of {folder} holds: its disk has less than "
-                f"{_MIN_FREE_BYTES >> 20} MiB free\n  free space, then run: graphnav figure {folder}"
+                f"the pictures show only what the log of {folder} holds: its disk takes no full log while they are "
+                f"drawn, for which it has to have {_MIN_FREE_BYTES >> 20} MiB free\n"
+                f"  free space, then run: graphnav figure {folder}"
             )
         return Recording(log, self._fd if self._fd >= 0 else None)
 

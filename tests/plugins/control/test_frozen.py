@@ -349,6 +349,22 @@ def test_wrong_odometry_holds_the_robot_until_it_agrees() -> None:
     assert robot.run(0.1)[-1].twist.v_mps == AHEAD.v_mps
 
 
+def test_odometry_that_never_agreed_is_not_retried_without_an_operator() -> None:
+    robot = Robot()
+    robot.check = SILENT
+    assert not any(found(robot.run(0.4)))
+    robot.check, robot.way_m = WRONG, 0.0
+    outputs = robot.run(1.0)
+    assert outputs[-1].state.stopped
+    robot.check = SILENT
+    outputs = robot.run(10.0)
+    assert robot.way_m == 0.0
+    assert all(output.state.stopped for output in outputs)
+    robot.press(engaged=False)
+    robot.run(3.0)
+    assert 0.03 < robot.way_m <= 0.1
+
+
 def test_odometry_that_seems_wrong_while_the_robot_stands_holds_it_no_longer() -> None:
     robot, stand = Robot(), Twist(v_mps=0.0, omega_radps=0.0)
     robot.check = WRONG

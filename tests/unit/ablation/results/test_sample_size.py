@@ -108,6 +108,20 @@ def test_where_nothing_differs_no_number_is_given(make_plan: MakePlan, make_reco
     assert text == "corridor, affine: drive.success is not clear after 3 worlds; they show no difference"
 
 
+def test_drives_that_the_time_limit_cut_off_are_not_alike(make_plan: MakePlan, make_record: MakeRecord) -> None:
+    plan = make_plan(seeds=range(3), metrics={"drive.success": "higher"})
+    records = [
+        make_record(variant, seed, {"drive.success": 0.0}, outcome="timeout")
+        for variant in plan.variants
+        for seed in range(3)
+    ]
+    (text,) = sample_size_texts(plan, compare(plan, records), records)
+    assert "every run hit the time limit before it arrived, which shows nothing" in text
+    crashed = [dataclasses.replace(one, outcome="contact") for one in records]
+    (text,) = sample_size_texts(plan, compare(plan, crashed), crashed)
+    assert text.endswith("they show no difference")
+
+
 def test_a_difference_that_does_not_matter_needs_no_worlds(make_plan: MakePlan, make_record: MakeRecord) -> None:
     plan = make_plan(seeds=range(40), metrics={"drive.success": "higher"})
     records = [
