@@ -7,6 +7,7 @@ import os
 import resource
 import shutil
 import signal
+import sys
 import tempfile
 import time
 from collections import deque
@@ -88,11 +89,13 @@ def pytest_unconfigure() -> None:
 @contextmanager
 def _disk_of(n_bytes: int) -> Iterator[None]:
     old, ignored = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    has_compiled, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # Python would keep half a compiled module
     resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, old[1]))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, old)
+        sys.dont_write_bytecode = has_compiled
         signal.signal(signal.SIGXFSZ, ignored)
 
 

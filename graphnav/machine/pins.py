@@ -20,6 +20,8 @@ OPT_OUT = "GRAPHNAV_PORTABLE"
 _CPU_INFO = Path("/proc/cpuinfo")
 _MAX_CPU_INFO = 16_384
 _LIBRARIES = ("numpy", "cv2")
+_CHOOSING = ("NPY_ENABLE_CPU_FEATURES", "OPENCV_CPU_DISABLE")
+"""Variables that choose code too: unset where no pin sets them. Numpy refuses what to use beside what not to use."""
 
 _replaced: dict[str, str | None] = {}
 """The values that the pins have replaced in the environment of this process."""
@@ -42,9 +44,11 @@ def pin() -> None:
     """Set the variables for what this process loads and starts, unless it is too late, not possible or not wanted."""
     if os.environ.get(OPT_OUT) != "0" and not any(name in sys.modules for name in _LIBRARIES) and not lacking():
         wanted = pins()
-        _replaced.update({name: os.environ.get(name) for name in (*wanted, "NPY_ENABLE_CPU_FEATURES")})
+        unwanted = [name for name in _CHOOSING if name not in wanted]
+        _replaced.update({name: os.environ.get(name) for name in (*wanted, *unwanted)})
         os.environ.update(wanted)
-        os.environ.pop("NPY_ENABLE_CPU_FEATURES", None)  # numpy refuses to have both
+        for name in unwanted:
+            os.environ.pop(name, None)
 
 
 def unpin() -> None:

@@ -116,7 +116,9 @@ def _left(log: Path) -> Left:
 @contextmanager
 def _recording(log: Path, url: str, max_bytes: int | None = None) -> Iterator[subprocess.Popen[bytes]]:
     command = [str(GRAPHNAV), "record", url, "-o", str(log)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
+    )
     if max_bytes is not None:
         resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (max_bytes, max_bytes))
     try:

@@ -96,11 +96,14 @@ def _by_value(stamp: int, arrival_s: float, arrival_utime: int) -> tuple[str, bo
     if stamp == 0:
         return "utime is 0: the sender sets no stamp", False
     low, high = _WALL_RATIO
+    for (
+        unit
+    ) in _UNITS:  # first: for half an hour after boot, its microseconds are as many as seconds of the time of day
+        if abs(stamp * unit.us * 1e-6 - arrival_s) < _BOOT_S < arrival_s:
+            return _unit_fault(unit, " of CLOCK_MONOTONIC"), True
     for unit in _UNITS:
         if low < stamp * unit.us / arrival_utime < high:
             return _unit_fault(unit), False
-        if abs(stamp * unit.us * 1e-6 - arrival_s) < _BOOT_S < arrival_s:
-            return _unit_fault(unit, " of CLOCK_MONOTONIC"), True
     return "", False
 
 

@@ -32,6 +32,17 @@ def test_a_unit_is_recognized_by_the_value_of_three_stamps(ratio: float, epoch_u
     assert clock.is_boot_time == (epoch_us != EPOCH_US)
 
 
+@pytest.mark.parametrize("ratio", [1.0, *EXPECTED])
+def test_half_an_hour_after_boot_its_microseconds_are_not_taken_for_seconds_of_the_day(ratio: float) -> None:
+    """From 1500 to 2200 s they are as many as seconds since 1970, and its nanoseconds as many as milliseconds."""
+    up_s, clock = EPOCH_US * 1e-12, StampClock()
+    for k in range(3):
+        clock.add(int((up_s + k / 20) * 1e6 * ratio), up_s + k / 20, EPOCH_US + k * 50_000)
+    assert clock.is_boot_time
+    assert EXPECTED.get(ratio, "") in clock.fault
+    assert bool(clock.fault) == (ratio != 1)
+
+
 @pytest.mark.parametrize("ratio", EXPECTED)
 def test_a_unit_of_an_unknown_epoch_is_recognized_by_its_advance(ratio: float) -> None:
     clock = StampClock()

@@ -21,6 +21,7 @@ import resource, signal, sys
 from pathlib import Path
 from graphnav.machine.atomic_write import write_atomically
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+sys.dont_write_bytecode = True
 resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
 signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
 write_atomically(Path(sys.argv[1]), 100_000 * "x")

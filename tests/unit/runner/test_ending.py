@@ -142,6 +142,7 @@ FULL = """
 import resource, signal, sys
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, 400_000))
+sys.dont_write_bytecode = True
 from graphnav.cli import main
 sys.exit(main(sys.argv[1:]))
 """
