@@ -98,7 +98,7 @@ def param(
     Parameters
     ----------
     default
-        Value if a graph does not give one; without a default the graph must.
+        Value if a graph does not give one, checked as if it did; without a default the graph must.
     doc
         Meaning, and the effect of larger and smaller values. The unit is the suffix of the name (``_px``, ``_s``, ...);
         a float without a unit is documented as "dimensionless".

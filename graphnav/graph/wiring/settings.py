@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from graphnav.errors import ParamError, Problem, did_you_mean
+from graphnav.errors import ParamError, Place, Problem, did_you_mean
 from graphnav.graph.node import Origin, Setting
 from graphnav.graph.paths import beside, has_path, resolve_paths
 from graphnav.spec import RECORD_KEYS, Entry, RunOptions, StageSpec, check_url
@@ -44,10 +44,10 @@ def settings_of(
             continue
         place = entry.value.place if entry else spec.place
         try:
-            written = _written(param, entry, folders) if entry else None
-            value = param.parse(written) if entry else param.default
+            written = _written(param, entry, folders) if entry else param.default
+            value = param.parse(written)
         except ParamError as error:
-            problems.append(Problem(place, f"{spec.use}: {error.what}", error.hint))
+            problems.append(_problem(spec, error, place, is_default=entry is None))
             continue
         origin: Origin = "default" if entry is None else SET if entry.is_override else "graph"
         if has_path(param.type):
@@ -56,6 +56,14 @@ def settings_of(
         else:
             settings[name] = Setting(value, value, value, origin, place)
     return settings
+
+
+def _problem(spec: StageSpec, error: ParamError, place: Place, *, is_default: bool) -> Problem:
+    """Return what is wrong with the value of a parameter; a default, which is not in the graph, is named as one."""
+    if not is_default:
+        return Problem(place, f"{spec.use}: {error.what}", error.hint)
+    what = f"stage '{spec.name}' ({spec.use}): default of '{error.param}': {error.what}"
+    return Problem(place, what, f"write with: {{{error.param}: ...}}, or fix the plugin")
 
 
 def _written(param: Param, entry: Entry, folders: Mapping[str, Path]) -> Any:
