@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
-from graphnav.completion.graph_stages import stages_of
 from graphnav.completion.index import Index
 from graphnav.completion.index_cache import installed_index
 from graphnav.completion.overrides import override_candidates
 from graphnav.completion.paths import paths, run_folders
+from graphnav.errors import GraphnavError
 
 _YAML = (".yaml", ".yml")
 _Candidates = Callable[[str, list[str], Index], Iterable[str]]
@@ -35,14 +36,41 @@ def _channels(prefix: str, _: list[str], index: Index) -> Iterable[str]:
     return [f"{done}{channel}" for channel in index.channels]
 
 
+def stages_of(names: Iterable[str], index: Index) -> dict[str, str]:
+    """Return the class of each stage of some graphs and studies; of a file what it and the graphs it extends say.
+
+    No plugin is imported: TAB runs nothing that a graph names.
+    """
+    uses: dict[str, str] = {}
+    for name in names:
+        if name in index.studies:
+            uses |= stages_of(index.studies[name], index)
+        elif name in index.graphs:
+            uses |= index.graphs[name]
+        else:
+            from graphnav.graph import find_graph, outline_of_file
+
+            with suppress(GraphnavError):
+                uses |= {stage.name: stage.use for stage in outline_of_file(find_graph(name)).stages.values()}
+    return uses
+
+
+def _overrides(prefix: str, names: list[str], index: Index) -> Iterable[str]:
+    return override_candidates(prefix, stages_of(names, index), index)
+
+
+def _axes(prefix: str, names: list[str], index: Index) -> Iterable[str]:
+    return override_candidates(prefix, stages_of(names, index), index, many=True)
+
+
 _BY_METAVAR: Mapping[str, _Candidates] = {
     "GRAPH": _graphs,
     "STUDY": _studies,
     "LOG": lambda prefix, _, __: run_folders(prefix),
     "RUN_OR_LOG": lambda prefix, _, __: run_folders(prefix),
     "FEED": lambda prefix, _, __: run_folders(prefix),
-    "KEY=VALUE": lambda prefix, names, index: override_candidates(prefix, stages_of(names, index), index),
-    "AXIS=A,B,...": lambda prefix, names, index: override_candidates(prefix, stages_of(names, index), index, many=True),
+    "KEY=VALUE": _overrides,
+    "AXIS=A,B,...": _axes,
     "CHANNEL": _channels,
     "CHANNEL,...": _channels,
     "GLOB": _channels,

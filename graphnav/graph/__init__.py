@@ -2,7 +2,7 @@
 
 from graphnav.graph.find import find_graph, shipped_folder, shipped_graphs, suggest_graph
 from graphnav.graph.graph import Graph
-from graphnav.graph.load import graph_of, load_graph
+from graphnav.graph.load import graph_of, load_graph, outline_of_file
 from graphnav.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Setting
 from graphnav.graph.overrides.option_text import parse_override, parse_overrides, parse_value
 from graphnav.graph.overrides.override import Override, without_replaced
@@ -27,6 +27,7 @@ __all__ = [
     "graph_of",
     "graph_schema",
     "load_graph",
+    "outline_of_file",
     "parse_override",
     "parse_overrides",
     "parse_value",

@@ -18,7 +18,7 @@ from graphnav.graph.read.graph_files import read_files
 from graphnav.graph.read.plugin_files import load_plugins
 from graphnav.graph.read.renamed_params import accept_old_names
 from graphnav.run_folder import is_graph_of_run
-from graphnav.spec import parse_spec, read_bytes
+from graphnav.spec import Spec, parse_spec, read_bytes
 
 
 def load_graph(
@@ -104,6 +104,21 @@ def graph_of(
         raise UserError(_without_repetitions([*problems, *more, *plugins.left_out]))
     paths, written = tuple(plugin.path for plugin in plugins.loaded), tuple(p.written for p in plugins.loaded)
     return replace(graph, plugins=paths, written_plugins=written, file_notices=tuple(file_notices))
+
+
+def outline_of_file(path: Path) -> Spec:
+    """Return what a graph's file and those that it extends say, as far as it can be read.
+
+    Nothing is checked, no plugin runs and no stage is imported, so that a swapped stage keeps all of its words.
+
+    Raises
+    ------
+    UserError
+        A file cannot be read or is not YAML, or `extends` names none.
+    """
+    source = shown_path(path)
+    files = read_files(read_bytes(path, Place(source)), path, source, [])
+    return parse_spec(merge_files(files, None, [], []).value)[0]
 
 
 def _without_repetitions(problems: list[Problem]) -> list[Problem]:

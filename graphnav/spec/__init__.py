@@ -19,7 +19,7 @@ from graphnav.spec.file_bytes import read_bytes
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, QueueSpec, parse_times
 from graphnav.spec.run import RECORD_KEYS, RecordOption, RunOptions, check_url, option_in
 from graphnav.spec.scalar import Scalar, parse_scalar
-from graphnav.spec.spec import Spec, StageSpec, parse_spec
+from graphnav.spec.spec import Spec, StageSpec, outline_of, parse_spec
 from graphnav.spec.value import Entry, Value
 from graphnav.spec.write import write_value
 from graphnav.spec.yaml import MAX_BYTES, parse_yaml
@@ -49,6 +49,7 @@ __all__ = [
     "keys_of",
     "object_schema",
     "option_in",
+    "outline_of",
     "param_schema",
     "parse_scalar",
     "parse_spec",

@@ -9,6 +9,7 @@ from pathlib import Path
 from graphnav.errors import Place, Problem
 from graphnav.spec.outside import TIME_KEYS, InputSpec, OutputSpec, OutsideWords, QueueSpec
 from graphnav.spec.value import Entry, Value
+from graphnav.spec.yaml import parse_yaml
 
 GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "inputs", "outputs", "queues")
 STAGE_KEYS = ("use", "with", "in", *TIME_KEYS)
@@ -63,6 +64,19 @@ def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
     """Return a graph as it is written, and everything that is wrong with its shape."""
     parser = _Parser()
     return parser.graph(value), parser.problems
+
+
+def outline_of(data: bytes, source: str) -> Spec:
+    """Return what the bytes of one graph file say, as far as it can be read; nothing is checked or loaded.
+
+    For graphs that others announce: the size is bounded, no file is opened and no plugin runs.
+
+    Raises
+    ------
+    UserError
+        They are not YAML, or beyond a limit of `parse_yaml`.
+    """
+    return parse_spec(parse_yaml(data, source)[0])[0]
 
 
 class _Parser(OutsideWords):

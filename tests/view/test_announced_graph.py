@@ -66,6 +66,27 @@ def test_no_plugin_file_of_an_announcement_is_run(tmp_path: Any) -> None:
     assert [box.key for box in announced_graph(said(graph), CATALOG).boxes] == ["a"]
 
 
+def test_no_file_that_an_announcement_extends_is_read(tmp_path: Any) -> None:
+    (tmp_path / "other.yaml").write_text("stages: {b: {use: my.own}}\n")
+    graph = {"extends": str(tmp_path / "other.yaml"), "stages": {"a": {"use": "my.own"}}}
+    assert [box.key for box in announced_graph(said(graph), CATALOG).boxes] == ["a"]
+
+
+def test_what_is_wrong_in_an_announcement_is_left_out() -> None:
+    graph = {
+        "stages": {"a": {"use": 7, "in": {"image": [], "flow": "b.flow"}}, "b": "my.own", "c": {}},
+        "inputs": {"camera.image": {"channel": 3}},
+        "outputs": {"a.twist": {"channel": [], "motor": "yes"}},
+        "channels": {"a.image": None},
+    }
+    boxes = announced_graph(said(graph, ("a.image",)), CATALOG).boxes
+    assert [(box.key, box.name, box.use) for box in boxes] == [
+        ("camera", "camera", "input"),
+        ("a", "a", ""),
+        ("output a.twist", "a.twist", "output"),
+    ]
+
+
 @pytest.mark.parametrize(
     "graph",
     [None, 7, [], {}, {"stages": []}, {"stages": {}}, {"stages": {f"s{k}": {"use": "a.b"} for k in range(201)}}],

@@ -37,11 +37,13 @@ class Merged:
     """Stages that some stage read before the swaps."""
 
 
-def merge_files(files: Sequence[GraphFile], catalog: Catalog, problems: list[Problem], notices: list[str]) -> Merged:
+def merge_files(
+    files: Sequence[GraphFile], catalog: Catalog | None, problems: list[Problem], notices: list[str]
+) -> Merged:
     """Return the files of a graph merged into one, the first extended by the others in turn.
 
     Mappings are merged key by key; what is not a mapping is replaced. Null removes a stage, a wire or an entry of a
-    section. A stage whose ``use`` changes is swapped as ``--set`` would swap it.
+    section. A stage whose ``use`` changes is swapped as ``--set`` would swap it; without a catalog it keeps everything.
     """
     if len(files) == 1:
         return Merged(files[0].value)

@@ -30,7 +30,7 @@ class _Swap:
 class StageMerge:
     """Merges ``stages`` of one file after the other and keeps what has to be rewired afterwards."""
 
-    def __init__(self, catalog: Catalog, problems: list[Problem]) -> None:
+    def __init__(self, catalog: Catalog | None, problems: list[Problem]) -> None:
         self._catalog, self._problems = catalog, problems
         self._told: list[_Swap | str] = []
         self.swapped: dict[str, None] = {}
@@ -144,7 +144,7 @@ class StageMerge:
 
     def _class(self, use: str) -> type[Stage] | None:
         try:
-            return self._catalog.stage(use) if use else None
+            return self._catalog.stage(use) if use and self._catalog else None
         except CatalogError:
             return None
 

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TypeVar
 
 from graphnav.catalog import Catalog
 from graphnav.errors import CatalogError, UserError
 from graphnav.graph import Channel
 from graphnav.messages import About, Message
-from graphnav.render.boxes import Box, InPort, OutPort
-from graphnav.spec import parse_yaml
+from graphnav.render.boxes import Box, InPort, Kind, OutPort
+from graphnav.spec import Entry, InputSpec, OutputSpec, Spec, StageSpec, outline_of
 from graphnav.stage import Port, Source, ports_of
 
 _MAX_BOXES = 200
 _MAX_PORTS = 64
 _MAX_NAME = 128
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -39,89 +41,80 @@ def announced_graph(about: About, catalog: Catalog) -> AnnouncedGraph:
     UserError
         The announcement is not a graph, or too large to be drawn.
     """
-    words = parse_yaml(about.graph_yaml.encode(), "graphnav.about")[0].plain()
-    stages = _mapping(words, "stages")
-    if not stages or len(stages) > _MAX_BOXES:
-        raise UserError.of(f"the graph of the run has {len(stages)} stages, not 1 to {_MAX_BOXES}")
-    inputs, outputs = _mapping(words, "inputs"), _mapping(words, "outputs")
-    if len(inputs) + len(outputs) > _MAX_BOXES:
+    spec = outline_of(about.graph_yaml.encode(), "graphnav.about")
+    reader = _Reader(spec, catalog, about.channels)
+    if not 1 <= len(reader.stages) <= _MAX_BOXES:
+        raise UserError.of(f"the graph of the run has {len(reader.stages)} stages, not 1 to {_MAX_BOXES}")
+    if len(reader.inputs) + len(reader.outputs) > _MAX_BOXES:
         raise UserError.of(f"the graph of the run has more than {_MAX_BOXES} inputs and outputs")
-    reader = _Reader(catalog, _mapping(words, "channels"), inputs, outputs, about.channels)
-    boxes = _wired([*reader.inputs(), *(reader.stage(name, stages[name]) for name in stages), *reader.outputs()])
-    refs = [port.channel.ref for box in boxes for port in box.outputs]
-    about_text = words.get("about") if isinstance(words, dict) else None
-    return AnnouncedGraph(
-        about_text if isinstance(about_text, str) else "", boxes, {ref: reader.names(ref) for ref in refs}
+    boxes = _wired(
+        [*reader.input_boxes(), *map(reader.stage_box, reader.stages.values()), *reader.output_boxes()],
     )
+    refs = [port.channel.ref for box in boxes for port in box.outputs]
+    return AnnouncedGraph(spec.about, boxes, {ref: reader.names(ref) for ref in refs})
 
 
 class _Reader:
-    """Reads the sections of an announced graph."""
+    """Reads the sections of an announced graph, without entries with too long names."""
 
-    def __init__(
-        self,
-        catalog: Catalog,
-        renamed: Mapping[str, Any],
-        inputs: Mapping[str, Any],
-        outputs: Mapping[str, Any],
-        channels: tuple[str, ...],
-    ) -> None:
-        self._catalog, self._renamed, self._inputs, self._outputs = catalog, renamed, inputs, outputs
-        self._channels = channels
+    def __init__(self, spec: Spec, catalog: Catalog, channels: tuple[str, ...]) -> None:
+        self.stages: Mapping[str, StageSpec] = _short(spec.stages)
+        self.inputs: Mapping[str, InputSpec] = _short(spec.inputs)
+        self.outputs: Mapping[str, OutputSpec] = _short(spec.outputs)
+        self._renamed = _short(spec.channels)
+        self._catalog, self._channels = catalog, channels
 
     def names(self, ref: str) -> tuple[str, ...]:
         """Return the LCM channels of the messages of a channel."""
-        named = [self._renamed.get(ref, ref)]
-        named += [_mapping(section, ref).get("channel") for section in (self._inputs, self._outputs)]
-        return tuple(dict.fromkeys(name for name in named if isinstance(name, str))) or (ref,)
+        sections = (self.inputs.get(ref), self.outputs.get(ref))
+        named = [_text(self._renamed.get(ref)) or ref, *(_text(one.channel) for one in sections if one)]
+        return tuple(dict.fromkeys(name for name in named if name))
 
-    def stage(self, name: str, words: Any) -> Box:
+    def stage_box(self, stage: StageSpec) -> Box:
         """Return the box of a stage; the ports of a stage that is not installed are derived from the wires."""
-        use = words.get("use") if isinstance(words, dict) else None
-        wires = {port: ref for port, ref in _mapping(words, "in").items() if isinstance(ref, str)}
+        wires = {port: _text(wire) for port, wire in _short(stage.wires).items()}
         try:
-            stage_class = self._catalog.stage(str(use))
+            stage_class = self._catalog.stage(stage.use)
         except CatalogError:
             inputs = tuple(InPort(port, _channel(ref)) for port, ref in wires.items())
-            ports_of_stage = [ref for ref in self._channels if ref.rpartition(".")[0] == name]
-            outputs = tuple(self._output(ref, Message) for ref in ports_of_stage[:_MAX_PORTS])
-            return Box(name, name, str(use)[:_MAX_NAME], "stage" if wires else "source", inputs[:_MAX_PORTS], outputs)
+            ports_of_stage = [ref for ref in self._channels if ref.rpartition(".")[0] == stage.name]
+            outputs = tuple(self._out_port(ref, Message) for ref in ports_of_stage[:_MAX_PORTS])
+            kind: Kind = "stage" if wires else "source"
+            return Box(stage.name, stage.name, stage.use[:_MAX_NAME], kind, inputs[:_MAX_PORTS], outputs)
         ports = ports_of(stage_class)
         return Box(
-            name,
-            name,
-            str(use),
+            stage.name,
+            stage.name,
+            stage.use,
             "source" if issubclass(stage_class, Source) else "stage",
             tuple(_in_port(port, wires.get(port.name)) for port in ports.inputs),
-            tuple(self._output(f"{name}.{port.name}", port.message) for port in ports.outputs),
+            tuple(self._out_port(f"{stage.name}.{port.name}", port.message) for port in ports.outputs),
         )
 
-    def inputs(self) -> Iterator[Box]:
+    def input_boxes(self) -> Iterator[Box]:
         """Yield one box per group of inputs."""
         refs: dict[str, list[str]] = {}
-        for ref in self._inputs:
+        for ref in self.inputs:
             if stem := ref.rpartition(".")[0]:
                 refs.setdefault(stem, []).append(ref)
         for stem, of_stem in refs.items():
-            ports = tuple(self._input(ref) for ref in of_stem)
-            is_log = all("log" in _mapping(self._inputs, ref) for ref in of_stem)
+            ports = tuple(OutPort(ref.rpartition(".")[2], _channel(ref), self._origin(ref)) for ref in of_stem)
+            is_log = all(self.inputs[ref].log for ref in of_stem)
             yield Box(stem, stem, "log" if is_log else "input", "input", outputs=ports)
 
-    def outputs(self) -> Iterator[Box]:
+    def output_boxes(self) -> Iterator[Box]:
         """Yield one box per output."""
-        for ref in self._outputs:
-            words = _mapping(self._outputs, ref)
-            use = "motor output" if words.get("motor") is True else "output"
-            channel = _channel(ref)
-            name = str(words.get("channel", ref))[:_MAX_NAME]
+        for ref, sent in self.outputs.items():
+            channel, use = _channel(ref), "motor output" if sent.motor else "output"
+            name = (_text(sent.channel) or ref)[:_MAX_NAME]
             yield Box(f"output {ref}", name, use, "output", (InPort(channel.port, channel),))
 
-    def _input(self, ref: str) -> OutPort:
-        words = _mapping(self._inputs, ref)
-        written = str(words["log"]).rpartition("/")[2] if "log" in words else str(words.get("channel", ref))
-        return OutPort(ref.rpartition(".")[2], _channel(ref), written[:_MAX_NAME])
+    def _origin(self, ref: str) -> str:
+        """Return the log or the LCM channel of an input."""
+        given = self.inputs[ref]
+        return (_text(given.log).rpartition("/")[2] or _text(given.channel) or ref)[:_MAX_NAME]
 
-    def _output(self, ref: str, message: type[Message]) -> OutPort:
+    def _out_port(self, ref: str, message: type[Message]) -> OutPort:
         name = self.names(ref)[0]
         return OutPort(ref.rpartition(".")[2], _channel(ref, message), name[:_MAX_NAME] if name != ref else "")
 
@@ -147,7 +140,10 @@ def _channel(ref: str, message: type[Message] = Message) -> Channel:
     return Channel(ref, ref, message)
 
 
-def _mapping(words: Any, key: str) -> dict[str, Any]:
-    """Return a section, empty if missing, without entries with too long names."""
-    found = words.get(key) if isinstance(words, dict) else None
-    return {name: item for name, item in found.items() if 0 < len(name) <= _MAX_NAME} if isinstance(found, dict) else {}
+def _short(section: Mapping[str, T]) -> dict[str, T]:
+    return {name: entry for name, entry in section.items() if 0 < len(name) <= _MAX_NAME}
+
+
+def _text(entry: Entry | None) -> str:
+    """Return a string of the graph, empty where it is not given or something else."""
+    return entry.value.data if entry is not None and isinstance(entry.value.data, str) else ""

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.catalog import Catalog
-from graphnav.completion.graph_stages import stages_of
+from graphnav.completion.complete import stages_of
 from graphnav.completion.index import Index, build_index
 from graphnav.completion.index_cache import cache_file, installed_index
 from graphnav.completion.overrides import override_candidates
