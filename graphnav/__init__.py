@@ -6,7 +6,7 @@ and so that what numpy computes with can be pinned before it is loaded.
 
 import lazy_loader
 
-from graphnav.machine.pins import pin
+from graphnav.core.machine.pins import pin
 
 __version__ = "0.8.1"
 

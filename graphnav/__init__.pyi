@@ -1,210 +1,210 @@
 # The public names of graphnav, and the modules that define them; `__init__.py` imports each on first use.
 
-from .adapter import Adapter as Adapter
-from .api.draw import (
+from .core.adapter import Adapter as Adapter
+from .core.api.draw import (
     Drawing as Drawing,
 )
-from .api.draw import (
+from .core.api.draw import (
     draw as draw,
 )
-from .api.finished_run import (
+from .core.api.finished_run import (
     Run as Run,
 )
-from .api.finished_run import (
+from .core.api.finished_run import (
     RunError as RunError,
 )
-from .api.load import (
+from .core.api.load import (
     check as check,
 )
-from .api.load import (
+from .core.api.load import (
     load as load,
 )
-from .api.logs.log import (
+from .core.api.logs.log import (
     Log as Log,
 )
-from .api.logs.log import (
+from .core.api.logs.log import (
     open_log as open_log,
 )
-from .api.profile import profile as profile
-from .api.run import run as run
-from .api.studies.ablate import ablate as ablate
-from .api.studies.finished_study import Study as Study
-from .api.studies.tune import Tuned as Tuned
-from .api.studies.tune import tune as tune
-from .continuity import Continuity as Continuity
-from .errors import (
+from .core.api.run import run as run
+from .core.continuity import Continuity as Continuity
+from .core.errors import (
     DeclarationError as DeclarationError,
 )
-from .errors import (
+from .core.errors import (
     GraphnavError as GraphnavError,
 )
-from .errors import (
+from .core.errors import (
     ParamError as ParamError,
 )
-from .errors import (
+from .core.errors import (
     Place as Place,
 )
-from .errors import (
+from .core.errors import (
     Problem as Problem,
 )
-from .errors import (
+from .core.errors import (
     Suggestion as Suggestion,
 )
-from .errors import (
+from .core.errors import (
     UserError as UserError,
 )
-from .errors import (
+from .core.errors import (
     did_you_mean as did_you_mean,
 )
-from .errors import (
+from .core.errors import (
     shown_path as shown_path,
 )
-from .graph import Graph as Graph
-from .grid import (
+from .core.graph import Graph as Graph
+from .core.grid import (
     block_mean as block_mean,
 )
-from .grid import (
+from .core.grid import (
     block_sum as block_sum,
 )
-from .grid import (
+from .core.grid import (
     coarsen as coarsen,
 )
-from .hooks import hookimpl as hookimpl
-from .machine.regular_file import read_regular as read_regular
-from .messages import (
+from .core.hooks import hookimpl as hookimpl
+from .core.machine.regular_file import read_regular as read_regular
+from .core.messages import (
     About as About,
 )
-from .messages import (
+from .core.messages import (
     Components as Components,
 )
-from .messages import (
+from .core.messages import (
     FieldError as FieldError,
 )
-from .messages import (
+from .core.messages import (
     Flow as Flow,
 )
-from .messages import (
+from .core.messages import (
     Goal as Goal,
 )
-from .messages import (
+from .core.messages import (
     GuardState as GuardState,
 )
-from .messages import (
+from .core.messages import (
     Image as Image,
 )
-from .messages import (
+from .core.messages import (
     LocalMap as LocalMap,
 )
-from .messages import (
+from .core.messages import (
     Map as Map,
 )
-from .messages import (
+from .core.messages import (
     Message as Message,
 )
-from .messages import (
+from .core.messages import (
     Motion as Motion,
 )
-from .messages import (
+from .core.messages import (
     Odometry as Odometry,
 )
-from .messages import (
+from .core.messages import (
     OdometryCheck as OdometryCheck,
 )
-from .messages import (
+from .core.messages import (
     Planar as Planar,
 )
-from .messages import (
+from .core.messages import (
     PlanarModel as PlanarModel,
 )
-from .messages import (
+from .core.messages import (
     Plane as Plane,
 )
-from .messages import (
+from .core.messages import (
     Potential as Potential,
 )
-from .messages import (
+from .core.messages import (
     State as State,
 )
-from .messages import (
+from .core.messages import (
     Status as Status,
 )
-from .messages import (
+from .core.messages import (
     Steering as Steering,
 )
-from .messages import (
+from .core.messages import (
     Stop as Stop,
 )
-from .messages import (
+from .core.messages import (
     Truth as Truth,
 )
-from .messages import (
+from .core.messages import (
     Twist as Twist,
 )
-from .mount import Mount as Mount
-from .pictures import (
+from .core.mount import Mount as Mount
+from .core.pictures import (
     PictureContext as PictureContext,
 )
-from .pictures import (
+from .core.pictures import (
     VideoFrames as VideoFrames,
 )
-from .profiling import Profile as Profile
-from .record import Recording as Recording
-from .spec import (
+from .core.record import Recording as Recording
+from .core.spec import (
     FileFormat as FileFormat,
 )
-from .spec import (
+from .core.spec import (
     Range as Range,
 )
-from .spec import (
+from .core.spec import (
     Record as Record,
 )
-from .spec import (
+from .core.spec import (
     Value as Value,
 )
-from .spec import (
+from .core.spec import (
     key as key,
 )
-from .stage import (
+from .core.stage import (
     MEASURED as MEASURED,
 )
-from .stage import (
+from .core.stage import (
     UNDEFINED as UNDEFINED,
 )
-from .stage import (
+from .core.stage import (
     Age as Age,
 )
-from .stage import (
+from .core.stage import (
     Finished as Finished,
 )
-from .stage import (
+from .core.stage import (
     Latest as Latest,
 )
-from .stage import (
+from .core.stage import (
     Metric as Metric,
 )
-from .stage import (
+from .core.stage import (
     Role as Role,
 )
-from .stage import (
+from .core.stage import (
     Since as Since,
 )
-from .stage import (
+from .core.stage import (
     Source as Source,
 )
-from .stage import (
+from .core.stage import (
     Stage as Stage,
 )
-from .stage import (
+from .core.stage import (
     Stamp as Stamp,
 )
-from .stage import (
+from .core.stage import (
     Stamped as Stamped,
 )
-from .stage import (
+from .core.stage import (
     Unnoticed as Unnoticed,
 )
-from .stage import (
+from .core.stage import (
     param as param,
 )
+from .develop.profile_function import profile as profile
+from .develop.profiling import Profile as Profile
+from .studies.api.ablate import ablate as ablate
+from .studies.api.finished_study import Study as Study
+from .studies.api.tune import Tuned as Tuned
+from .studies.api.tune import tune as tune
 
 __version__: str

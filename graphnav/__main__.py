@@ -2,14 +2,14 @@
 
 import sys
 
-from graphnav.machine.leftover_threads import end_despite_threads
-from graphnav.machine.start_up import end_at_interrupt
+from graphnav.core.machine.leftover_threads import end_despite_threads
+from graphnav.core.machine.start_up import end_at_interrupt
 
 
 def main() -> int:
     """Run the command line; Ctrl-C before a command begins, or after its end, ends the process without a traceback."""
     end_at_interrupt()
-    from graphnav import cli  # noqa: PLC0415 - it takes time, in which Ctrl-C may come
+    from graphnav.core import cli  # noqa: PLC0415 - it takes time, in which Ctrl-C may come
 
     status = cli.main()
     end_despite_threads(status)

@@ -10,12 +10,12 @@ from typing import Any, get_args
 
 import numpy as np
 
-from graphnav.codec import encode
-from graphnav.errors import DeclarationError, ParamError
-from graphnav.graph.find import shipped_folder
-from graphnav.graph.paths import resolve_paths
-from graphnav.messages import Message
-from graphnav.stage import (
+from graphnav.core.codec import encode
+from graphnav.core.errors import DeclarationError, ParamError
+from graphnav.core.graph.find import shipped_folder
+from graphnav.core.graph.paths import resolve_paths
+from graphnav.core.messages import Message
+from graphnav.core.stage import (
     MAY_READ_TRUTH,
     Latest,
     Param,

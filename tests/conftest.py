@@ -17,8 +17,8 @@ from contextlib import AbstractContextManager, contextmanager
 import hypothesis
 import pytest
 
-from graphnav.bus import require_route
-from graphnav.errors import BusError
+from graphnav.core.bus import require_route
+from graphnav.core.errors import BusError
 
 _FIRST_PORT, _N_PORTS = 10_000, 20_000
 """Linux hands datagrams of all groups to every listener on a port, so each process of the tests has its own port."""

@@ -16,14 +16,14 @@ FILES = {
     "graphnav/solo.py": "",
     "plugins/graphnav_world/maps/keys.py": "",
     "tools/gen.py": "",
-    "tests/unit/a/b/test_near.py": "",
-    "tests/unit/a/test_above.py": "import graphnav.a.b.other\n",
+    "tests/a/b/test_near.py": "",
+    "tests/a/test_above.py": "import graphnav.a.b.other\n",
     "tests/lcm/test_user.py": "from graphnav.a.b.c import name\n",
     "tests/lcm/test_of_package.py": "def test() -> None:\n    from graphnav.a.b import name\n",
     "tests/lcm/helper.py": "",
     "tests/plugins/world/test_maps.py": "",
-    "tests/unit/test_solo.py": "from graphnav.solo import name\n",
-    "tests/unit/test_all.py": "from graphnav import name\n",
+    "tests/test_solo.py": "from graphnav.solo import name\n",
+    "tests/test_all.py": "from graphnav import name\n",
     "tests/test_gen.py": "import gen\n",
 }
 
@@ -40,14 +40,14 @@ def tree(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("changed", "tests"),
     [
-        (["graphnav/a/b/c.py"], ["unit/a/b/test_near.py", "lcm/test_user.py", "lcm/test_of_package.py"]),
-        (["graphnav/a/b/deep/gone.py"], ["unit/a/b/test_near.py"]),
-        (["graphnav/a/new.py"], ["unit/a/b/test_near.py", "unit/a/test_above.py"]),
-        (["graphnav/solo.py"], ["unit/test_solo.py"]),
+        (["graphnav/a/b/c.py"], ["a/b/test_near.py", "lcm/test_user.py", "lcm/test_of_package.py"]),
+        (["graphnav/a/b/deep/gone.py"], ["a/b/test_near.py"]),
+        (["graphnav/a/new.py"], ["a/test_above.py"]),
+        (["graphnav/solo.py"], ["test_solo.py"]),
         (["plugins/graphnav_world/maps/keys.py"], ["plugins/world/test_maps.py"]),
         (["tools/gen.py"], ["test_gen.py"]),
         (["tests/lcm/helper.py"], ["lcm/test_of_package.py", "lcm/test_user.py"]),
-        (["graphnav/a/b/c.py", "tests/test_gen.py"], ["test_gen.py", "unit/a/b/test_near.py", "lcm/test_user.py"]),
+        (["graphnav/a/b/c.py", "tests/test_gen.py"], ["test_gen.py", "a/b/test_near.py", "lcm/test_user.py"]),
         (["docs/index.md"], ["test_words.py"]),
     ],
 )
@@ -93,7 +93,7 @@ def test_an_unknown_step_is_refused_by_name(
 
 
 def test_modules_that_take_long_come_first_and_what_is_late_does_not_begin() -> None:
-    files = ["tests/unit/test_shown_name.py", "tests/unit/machine/test_instruction_set.py"]
+    files = ["tests/core/test_shown_name.py", "tests/core/machine/test_instruction_set.py"]
     command = [
         sys.executable,
         "-m",

@@ -8,26 +8,28 @@ from pathlib import Path
 
 import pytest
 
+from graphnav.core.rooms import ROOMS
+
 ROOT = Path(__file__).resolve().parent.parent
 FILES = [path for folder in ("graphnav", "plugins") for path in sorted((ROOT / folder).rglob("*.py"))]
-COMMANDS = "graphnav/cli/"
-"""Commands print to standard output and error, which ``graphnav.cli.main`` has replaced by streams that escape."""
+COMMANDS = ("graphnav/core/cli/", *(f"graphnav/{room}/commands/" for room in ROOMS))
+"""Commands print to standard output and error, which ``graphnav.core.cli.main`` has replaced by streams that escape."""
 DOORS = {
-    "graphnav/machine/console.py": "the console that escapes",
-    "graphnav/machine/escaped_output.py": "the streams that escape",
-    "graphnav/notices.py": "escapes what it prints",
-    "graphnav/render/html_templates.py": "escapes what templates show",
-    "graphnav/ablation/worker/serve_tasks.py": "prints tracebacks to the streams that escape",
-    "graphnav/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
-    "graphnav/interrupts/third_party.py": "restores the streams that a plugin has replaced",
-    "graphnav/runner/stage_calls.py": "restores the streams that a stage has replaced",
-    "graphnav/machine/leftover_threads.py": "runs after the commands, and escapes the names of threads",
-    "graphnav/cli/status_line.py": "rewrites a line, and escapes what it shows",
-    "graphnav/cli/lasting_output.py": "the streams below those that escape",
-    "graphnav/cli/spy.py": "asks whether there is a terminal for a full screen",
-    "graphnav/machine/terminal_graphics.py": "queries the terminal with constants",
-    "graphnav/spy/graphics/terminal_colours.py": "queries terminfo",
-    "graphnav/spy/screen/plot_view.py": "reads the colours of plots, which contain numbers only",
+    "graphnav/core/machine/console.py": "the console that escapes",
+    "graphnav/core/machine/escaped_output.py": "the streams that escape",
+    "graphnav/core/notices.py": "escapes what it prints",
+    "graphnav/core/render/html_templates.py": "escapes what templates show",
+    "graphnav/studies/ablation/worker/serve_tasks.py": "prints tracebacks to the streams that escape",
+    "graphnav/core/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
+    "graphnav/core/interrupts/third_party.py": "restores the streams that a plugin has replaced",
+    "graphnav/core/runner/stage_calls.py": "restores the streams that a stage has replaced",
+    "graphnav/core/machine/leftover_threads.py": "runs after the commands, and escapes the names of threads",
+    "graphnav/core/cli/status_line.py": "rewrites a line, and escapes what it shows",
+    "graphnav/core/cli/lasting_output.py": "the streams below those that escape",
+    "graphnav/watch/commands/spy.py": "asks whether there is a terminal for a full screen",
+    "graphnav/core/machine/terminal_graphics.py": "queries the terminal with constants",
+    "graphnav/watch/spy/graphics/terminal_colours.py": "queries terminfo",
+    "graphnav/watch/spy/screen/plot_view.py": "reads the colours of plots, which contain numbers only",
 }
 """Files that may use what escapes nothing, with the reason."""
 PRINTS = {"print", "print_exc", "print_exception", "print_stack", "print_tb"}
@@ -90,7 +92,7 @@ def test_nothing_writes_past_the_doors() -> None:
         "from jinja2 import Environment",
         "from rich.text import Text; Text.from_markup('a')",
         "from rich.progress import TextColumn; TextColumn('{task.description}')",
-        "from graphnav.machine.escaped_output import unescaped",
+        "from graphnav.core.machine.escaped_output import unescaped",
     ],
 )
 def test_a_bypass_is_found(code: str) -> None:

@@ -16,7 +16,7 @@ TAKES_APART = {
     *("removeprefix", "removesuffix", "replace", "find", "index", "count", "strip", "lower", "casefold"),
 }
 ALLOWED = {
-    "graphnav/errors.py": "indents the lines of a hint",
+    "graphnav/core/errors.py": "indents the lines of a hint",
     "plugins/graphnav_world/maps/map_text.py": "PyYAML gives a reason only as the first line of its message",
 }
 

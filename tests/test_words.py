@@ -78,7 +78,7 @@ RULES = (
         (NAME,),
         "figures",
         ("figure", "FigureCanvas"),
-        allowed_in=("plugins/graphnav_view/*", "tests/plugins/view/*", "graphnav/cli/figure.py"),
+        allowed_in=("plugins/graphnav_view/*", "tests/plugins/view/*", "graphnav/watch/commands/figure.py"),
     ),
     Rule(
         "(whose|its|their|which|that) figures",
@@ -214,7 +214,7 @@ def test_replaced_words_stay_replaced() -> None:
 def test_a_rule_finds_its_bad_example_and_leaves_the_good_ones(rule: Rule) -> None:
     def found(words: str) -> list[str]:
         pieces = (Found(1, kind, words_of(words) if kind == NAME else words) for kind in rule.kinds)
-        return list(faults_in(pieces, "graphnav/bus.py"))
+        return list(faults_in(pieces, "graphnav/core/bus.py"))
 
     assert len(found(rule.bad)) == len(rule.kinds)
     assert not [text for good in rule.good for text in found(good)]

@@ -16,9 +16,9 @@ import numpy as np
 from graphnav_lcm import image_t, odometry_t, twist_t
 
 from graphnav import Flow, Image, Latest, Odometry, Since
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
-from graphnav.graph.overrides.option_text import parse_overrides
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph
+from graphnav.core.graph.overrides.option_text import parse_overrides
 
 GRAPH = "navigate_live"
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from graphnav.codec import decode, encode
-from graphnav.messages import Flow, Message, State, Twist
+from graphnav.core.codec import decode, encode
+from graphnav.core.messages import Flow, Message, State, Twist
 
 RNG = np.random.default_rng(0)
 DECODE_AT_LEAST = 50.0

@@ -20,11 +20,11 @@ from typing import Any
 import cv2
 from threadpoolctl import threadpool_limits
 
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
-from graphnav.record import LogWriter
-from graphnav.runner import Lockstep
-from graphnav.runner.recording.kept_messages import SmallOnly
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph
+from graphnav.core.record import LogWriter
+from graphnav.core.runner import Lockstep
+from graphnav.core.runner.recording.kept_messages import SmallOnly
 
 SIZES = ((80, 60), (160, 120), (320, 240), (640, 480), (1280, 720))
 COUNTS = (1, 3, 10, 30, 100, 300)

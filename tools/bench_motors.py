@@ -11,11 +11,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from graphnav.bus import Bus
-from graphnav.codec import decode, encode
-from graphnav.messages import Twist
-from graphnav.motors.offsets import offsets_of
-from graphnav.motors.sender import MotorChannel, MotorSender
+from graphnav.core.bus import Bus
+from graphnav.core.codec import decode, encode
+from graphnav.core.messages import Twist
+from graphnav.live.motors.offsets import offsets_of
+from graphnav.live.motors.sender import MotorChannel, MotorSender
 
 URL = "udpm://239.255.77.251:7797?ttl=0"
 CHANNEL = "BENCH_MOTOR"

@@ -26,8 +26,8 @@ from acceptance.listeners import await_listeners
 from acceptance.spy_terminal import HAS_TMUX, SpyTerminal
 
 from graphnav import Image, Recording
-from graphnav.codec import encode
-from graphnav.messages import Stop
+from graphnav.core.codec import encode
+from graphnav.core.messages import Stop
 
 PORT = 7983
 URL = f"udpm://239.255.83.1:{PORT}?ttl=0&recv_buf_size=2097152"

@@ -7,11 +7,12 @@ import time
 from pathlib import Path
 
 from graphnav import Recording
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.record import LOG
-from graphnav.replay import ReplayOptions, graph_to_replay, replay
-from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.record import LOG
+from graphnav.core.runner.recording.run_recorded import run_recorded
+from graphnav.replay.log.log_graph import graph_to_replay
+from graphnav.replay.replay import ReplayOptions, replay
 
 GRAPH = "corridor_ccw"
 UNTIL_S = 60

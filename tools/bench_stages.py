@@ -27,9 +27,9 @@ import numpy as np
 
 import graphnav
 from graphnav import Latest, Stage
-from graphnav.catalog import Catalog
-from graphnav.codec import decode
-from graphnav.graph import load_graph
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import decode
+from graphnav.core.graph import load_graph
 
 GRAPH, SEED, TICKS, WARM_UP = "corridor_ccw", 3, 120, 10
 STEER = {"about": "zero", "strength": "gradient", "gain": 16.0}
@@ -57,7 +57,7 @@ class Inputs:
 
 def record(folder: Path) -> None:
     """Drive, and save the inputs of the ticks that have a flow."""
-    from graphnav.runner import Lockstep  # noqa: PLC0415 - the older version, which only times, has no such name
+    from graphnav.core.runner import Lockstep  # noqa: PLC0415 - the older version, which only times, has no such name
 
     graph = load_graph(GRAPH, Catalog())
     inputs = Inputs({channel.name: channel.message for channel in graph.channels.values()})

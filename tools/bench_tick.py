@@ -18,12 +18,12 @@ from typing import Any
 import lcm
 from hand_written_loop import HandWrittenLoop
 
-from graphnav.catalog import Catalog
-from graphnav.graph import Graph, load_graph
-from graphnav.record import LogWriter
-from graphnav.runner import Lockstep
-from graphnav.runner.engine import Sink
-from graphnav.tap import Tap
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import Graph, load_graph
+from graphnav.core.record import LogWriter
+from graphnav.core.runner import Lockstep
+from graphnav.core.runner.engine import Sink
+from graphnav.core.tap import Tap
 
 GRAPH = "corridor_ccw"
 SEED = 3

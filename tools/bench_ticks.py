@@ -26,7 +26,7 @@ from graphnav_world.world import Pymunk
 from reference_version import ROOT, reference_python
 
 from graphnav import Latest, Stamp, Twist
-from graphnav.machine.single_thread import ONE_THREAD
+from graphnav.core.machine.single_thread import ONE_THREAD
 
 TURN = 25
 """Ticks of a turn."""

@@ -46,12 +46,12 @@ WITHIN_S = 30
 NO_TESTS = 5
 """Status of pytest where all tests take long."""
 
-CORE = [f"tests/unit/{name}" for name in ("spec", "graph", "catalog", "stage", "messages", "codec", "record", "runner")]
+CORE = [f"tests/core/{name}" for name in ("spec", "graph", "catalog", "stage", "messages", "codec", "record", "runner")]
 """Tests that ``changed`` runs where no test belongs to what has changed."""
 OF_DATA = {
     "docs": ["tests/test_words.py"],
     "graphs": ["tests/contract", "tests/closed_loop/test_suite.py"],
-    "lcmtypes": ["tests/lcm/test_types.py", "tests/unit/codec"],
+    "lcmtypes": ["tests/lcm/test_types.py", "tests/core/codec"],
 }
 """Tests of files that are not Python, by folder."""
 
@@ -83,7 +83,10 @@ def tests_of(changed: Iterable[str], root: Path) -> list[str]:
             ranks[1].update(OF_DATA.get(path.parts[0], ()))
         else:
             mirror, module = _mirror(path, root), _module(path)
-            ranks[1].update(test for test in texts if mirror in map(str, PurePath(test).parents))
+            is_room = len(PurePath(mirror).parts) == 2  # of a module that is in no folder of it: not all its tests
+            ranks[1].update(
+                test for test in texts if mirror in map(str, list(PurePath(test).parents)[: 1 if is_room else None])
+            )
             package = module.rpartition(".")[0]
             for rank, name in ((2, module), (3, package if "." in package else module)):
                 importing = re.compile(rf"^\s*(from|import) {re.escape(name)}\s", re.MULTILINE)
@@ -92,7 +95,7 @@ def tests_of(changed: Iterable[str], root: Path) -> list[str]:
 
 
 def _mirror(path: PurePath, root: Path) -> str:
-    """Return the folder of a module's tests: of ``graphnav/a/b/c.py`` ``tests/unit/a/b``, or else ``tests/unit/a``.
+    """Return the folder of a module's tests: of ``graphnav/a/b/c.py`` ``tests/a/b``, or else ``tests/a``.
 
     Of a helper among the tests it is its own folder. An empty string where there is none.
     """
@@ -100,7 +103,7 @@ def _mirror(path: PurePath, root: Path) -> str:
     if first == "plugins" and inner:
         first, inner = f"plugins/{inner[0].removeprefix('graphnav_')}", inner[1:]
     elif first == "graphnav" and inner:
-        first, inner = ("unit/" if (root / "tests" / "unit" / inner[0]).is_dir() else "") + inner[0], inner[1:]
+        first, inner = inner[0], inner[1:]
     elif first == "tests":
         return str(path.parent) if inner else ""
     while inner and not (root / "tests" / first / "/".join(inner)).is_dir():

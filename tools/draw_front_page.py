@@ -20,7 +20,7 @@ from PIL import ImageDraw, ImageFont
 
 from graphnav import Image, LocalMap, Map, Plane, Recording, State, Steering
 from graphnav.arrays import Bytes
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 ROOT = Path(__file__).resolve().parents[1]
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")

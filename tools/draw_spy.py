@@ -10,11 +10,11 @@ import tempfile
 from contextlib import chdir
 from pathlib import Path
 
-from graphnav.catalog import Catalog
-from graphnav.spy import Feed
-from graphnav.spy.screen import SpyApp, watch_of
-from graphnav.spy.screen.channel_screen import ChannelScreen
-from graphnav.spy.screen.channel_table import ChannelTable
+from graphnav.core.catalog import Catalog
+from graphnav.watch.spy import Feed
+from graphnav.watch.spy.screen import SpyApp, watch_of
+from graphnav.watch.spy.screen.channel_screen import ChannelScreen
+from graphnav.watch.spy.screen.channel_table import ChannelTable
 
 ROOT = Path(__file__).resolve().parents[1]
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")

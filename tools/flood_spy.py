@@ -13,13 +13,13 @@ import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from graphnav.bus import Bus
-from graphnav.catalog import Catalog
-from graphnav.codec import encode
-from graphnav.messages import About, Message, Status, Stop, Twist
-from graphnav.spy import Feed
-from graphnav.spy.screen import SpyApp
-from graphnav.spy.watch.live_watch import LiveWatch
+from graphnav.core.bus import Bus
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import encode
+from graphnav.core.messages import About, Message, Status, Stop, Twist
+from graphnav.watch.spy import Feed
+from graphnav.watch.spy.screen import SpyApp
+from graphnav.watch.spy.watch.live_watch import LiveWatch
 
 GROUP = "udpm://239.255.78.9:7709?ttl=0"
 _MAGIC = 0x4C433032

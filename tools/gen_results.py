@@ -18,7 +18,7 @@ from result_pages.claims import claims, listed_claims, unchecked
 from result_pages.shipped_results import RESULTS, ShippedResults
 from result_pages.tables import with_tables
 
-from graphnav.errors import UserError
+from graphnav.core.errors import UserError
 
 PAGE = RESULTS / "README.md"
 """Every statement of it that gives a number or compares has a check."""

@@ -14,8 +14,8 @@ import lcm
 from hand_written_types import PUT, TAKE
 
 from graphnav import Latest
-from graphnav.codec import encode
-from graphnav.runner import seed_of
+from graphnav.core.codec import encode
+from graphnav.core.runner import seed_of
 
 PERIOD_US = 100_000
 

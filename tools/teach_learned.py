@@ -29,8 +29,8 @@ from threadpoolctl import threadpool_limits
 import graphnav
 from graphnav import Flow, Planar, Recording, Truth, block_mean
 from graphnav.arrays import Bools, Floats
-from graphnav.errors import Problem, UserError, printable
-from graphnav.graph import parse_overrides
+from graphnav.core.errors import Problem, UserError, printable
+from graphnav.core.graph import parse_overrides
 
 GRAPH = Path(__file__).with_suffix(".yaml")
 FIRST_SEED = 100

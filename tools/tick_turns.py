@@ -14,10 +14,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from graphnav.bus import Bus
-from graphnav.catalog import Catalog
-from graphnav.graph import Graph, load_graph
-from graphnav.record import LogWriter
+from graphnav.core.bus import Bus
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import Graph, load_graph
+from graphnav.core.record import LogWriter
 
 
 class Ticker:
@@ -58,7 +58,7 @@ class Ticker:
 
 def _run(graph: Graph, writer: LogWriter) -> Any:
     """Return the runner of a graph, by its name in this version."""
-    module = importlib.import_module("graphnav.runner")
+    module = importlib.import_module("graphnav.core.runner")
     if hasattr(module, "Lockstep"):
         return module.Lockstep(graph, graph.make_stages(), [writer])
     return module.Runner(graph, graph.make_stages(), Bus("memq://"), [writer])

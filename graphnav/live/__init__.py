@@ -1,6 +1,8 @@
 """Live runs: graphs in wall time, connected to channels of other programs."""
 
-from graphnav.live.run import run_live
-from graphnav.live.url import live_url
-
-__all__ = ["live_url", "run_live"]
+COMMANDS = {
+    "teach": "run an obstacle-free graph and save the learned planar model",
+    "pub": "publish a message, once or at a rate",
+    "teleop": "drive by keyboard: a dead man's twist, and a latching stop",
+}
+"""Every command of this room and its help; ``commands/<command>.py`` has ``add_arguments`` and ``main``."""

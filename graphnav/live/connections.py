@@ -10,17 +10,17 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 
-from graphnav.bus import Bus
-from graphnav.errors import BusError, GraphnavError
-from graphnav.graph import Graph, OutputChannel
+from graphnav.core.bus import Bus
+from graphnav.core.errors import BusError, GraphnavError
+from graphnav.core.graph import Graph, OutputChannel
 from graphnav.live.health.observer import Observer
 from graphnav.live.inputs.packet_sources import PacketSources
 from graphnav.live.inputs.receiver import Receiver, Takes
 from graphnav.live.live_schedule import LiveSchedule
+from graphnav.live.motors.schedule import STOP_FOR_S, STOP_PERIOD_S
+from graphnav.live.motors.sender import MotorSender
+from graphnav.live.motors.stop_message import StopMessage
 from graphnav.live.outlet import Outlet, bus_send, motor_channel
-from graphnav.motors.schedule import STOP_FOR_S, STOP_PERIOD_S
-from graphnav.motors.sender import MotorSender
-from graphnav.motors.stop_message import StopMessage
 
 
 class MotorLink:

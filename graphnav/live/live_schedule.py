@@ -7,20 +7,20 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 
-from graphnav.codec import encode
-from graphnav.graph import Channel, Graph, Node
+from graphnav.core.codec import encode
+from graphnav.core.graph import Channel, Graph, Node
+from graphnav.core.messages import GuardState, Message
+from graphnav.core.runner.engine import Engine, Outcome, Sink
+from graphnav.core.runner.firing import FIRED, Taken, Used, encoded_firing
+from graphnav.core.runner.join import MatchedSet
+from graphnav.core.runner.live_inbox import LiveInbox
+from graphnav.core.runner.stage_calls import StageCalls
+from graphnav.core.runner.timer import Timer, every
+from graphnav.core.runner.unit import Unit
+from graphnav.core.stage import Port, Stage
 from graphnav.live.clock import LiveClock
-from graphnav.live.firing import FIRED, Taken, Used, encoded_firing
 from graphnav.live.inputs.intake import Intake, Received
-from graphnav.live.join import MatchedSet
-from graphnav.live.live_inbox import LiveInbox
 from graphnav.live.outlet import Outlet
-from graphnav.live.timer import Timer, every
-from graphnav.messages import GuardState, Message
-from graphnav.runner.engine import Engine, Outcome, Sink
-from graphnav.runner.stage_calls import StageCalls
-from graphnav.runner.unit import Unit
-from graphnav.stage import Port, Stage
 
 _MAX_UNLOGGED = 32
 """Maximum number of firings pending for the log if the run is never idle."""

@@ -6,16 +6,16 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from graphnav.bus import Bus
-from graphnav.codec import codec_of
-from graphnav.errors import BusError, one_line
-from graphnav.graph import OutputChannel, stop_fields
-from graphnav.interrupts import USER_ENDS
+from graphnav.core.bus import Bus
+from graphnav.core.codec import codec_of
+from graphnav.core.errors import BusError, one_line
+from graphnav.core.graph import OutputChannel, stop_fields
+from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.messages import Message
+from graphnav.core.runner.durations import Durations
 from graphnav.live.clock import LiveClock
-from graphnav.messages import Message
-from graphnav.motors.channel import MotorChannel
-from graphnav.motors.offsets import offsets_of
-from graphnav.runner.durations import Durations
+from graphnav.live.motors.channel import MotorChannel
+from graphnav.live.motors.offsets import offsets_of
 
 
 class Send(Protocol):

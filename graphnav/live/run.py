@@ -8,11 +8,26 @@ from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 
-from graphnav.bus import same_group
-from graphnav.codec import encode
-from graphnav.errors import GraphnavError
-from graphnav.graph import Graph
-from graphnav.live.about import live_about
+from graphnav.core.bus import same_group
+from graphnav.core.codec import encode
+from graphnav.core.errors import GraphnavError
+from graphnav.core.graph import Graph
+from graphnav.core.lcm_url import live_url
+from graphnav.core.messages import Status
+from graphnav.core.notices import print_notice
+from graphnav.core.record import ABOUT, LOG, ThreadedLogWriter
+from graphnav.core.runner.engine import Outcome, Sink
+from graphnav.core.runner.interrupt import Interrupt
+from graphnav.core.runner.recording.kept_messages import ChannelsExcept, kept, open_log
+from graphnav.core.runner.recording.live_about import live_about
+from graphnav.core.runner.recording.recorded_run import Measured, RecordedRun
+from graphnav.core.runner.recording.run_recorded import LiveSink
+from graphnav.core.runner.recording.saved_graph import save_graph
+from graphnav.core.runner.recording.stall import StallLimit
+from graphnav.core.runner.recording.summary import Summary
+from graphnav.core.runner.stage_calls import StageCalls
+from graphnav.core.runner.status import STATUS
+from graphnav.core.stage import Stage
 from graphnav.live.clock import LiveClock
 from graphnav.live.connections import opened
 from graphnav.live.health.observer import Observer
@@ -21,21 +36,6 @@ from graphnav.live.health.watchdog import Watchdog
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.playback import Playback
 from graphnav.live.live_schedule import LiveSchedule
-from graphnav.live.url import live_url
-from graphnav.messages import Status
-from graphnav.notices import print_notice
-from graphnav.record import ABOUT, LOG, ThreadedLogWriter
-from graphnav.runner.engine import Outcome, Sink
-from graphnav.runner.interrupt import Interrupt
-from graphnav.runner.recording.kept_messages import ChannelsExcept, kept, open_log
-from graphnav.runner.recording.recorded_run import Measured, RecordedRun
-from graphnav.runner.recording.run_recorded import LiveSink
-from graphnav.runner.recording.saved_graph import save_graph
-from graphnav.runner.recording.stall import StallLimit
-from graphnav.runner.recording.summary import Summary
-from graphnav.runner.stage_calls import StageCalls
-from graphnav.runner.status import STATUS
-from graphnav.stage import Stage
 
 
 def run_live(

@@ -9,25 +9,25 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from graphnav import __version__
-from graphnav.catalog import Catalog
-from graphnav.errors import GraphnavError, LogError, UserError, message_line, shown_name
-from graphnav.machine.regular_file import is_own
-from graphnav.machine.user_folders import user_folder
-from graphnav.messages import About
-from graphnav.record import Recording
-from graphnav.record.find_log import parts_of
+from graphnav.core.catalog import Catalog
+from graphnav.core.errors import GraphnavError, LogError, UserError, message_line, shown_name
+from graphnav.core.machine.regular_file import is_own
+from graphnav.core.machine.user_folders import user_folder
+from graphnav.core.messages import About
+from graphnav.core.record import Recording
+from graphnav.core.record.find_log import parts_of
+from graphnav.core.run_folder import GRAPH
+from graphnav.core.trust import read_plugin, run_digest
 from graphnav.replay.comparison.result import ReplayResult
 from graphnav.replay.log.log_graph import graph_to_replay, is_live
 from graphnav.replay.replay import ReplayOptions, replay
-from graphnav.run_folder import GRAPH
-from graphnav.trust import read_plugin, run_digest
 
 MAX_CACHE_BYTES = 2 << 30
 """Of all completed logs together; those that were not used for the longest time are removed, the newest never."""
@@ -39,7 +39,7 @@ _SUFFIX = ".lcmlog"
 _CHUNK_BYTES = 1 << 20
 
 
-class _Completion(NamedTuple):
+class Completion(NamedTuple):
     """The file with everything, None if it cannot be made; then ``why``. ``wall_s``: 0 if it had been made before."""
 
     content: Path | None
@@ -48,67 +48,27 @@ class _Completion(NamedTuple):
     hint: str = "'graphnav replay' tells more"
 
 
-def open_completed(
-    path: Path,
-    catalog: Catalog | None = None,
-    plugins: Sequence[Path] = (),
-    *,
-    channels: Collection[str] | None = None,
-    tell: Callable[[str], None] = lambda _: None,
-    on_tick: Callable[[int], None] = lambda _: None,
-) -> Recording:
-    """Open a log; if it leaves out messages that a replay makes again, with them, as the run had published them.
-
-    ``channels``: those that are read, None for all; nothing is made if the log has every message of them. ``tell`` gets
-    one notice: that messages were made again, or why they cannot be. Then the log is opened as it is. The messages that
-    the log does hold must come out equal. ``catalog``, ``plugins``: as for `graph_to_replay`; the trust of the catalog
-    decides whether plugins of the run folder run. ``on_tick`` gets the time of the replayed run, microseconds.
-
-    Raises
-    ------
-    LogError
-        The file cannot be read or is not a log.
-    """
-    recording = Recording(path)
-    wanted = recording.channels if channels is None else channels
-    if not recording.leaves_out or not any(recording.lacks(channel) for channel in wanted):
-        return recording
-    made = _complete(recording, catalog or Catalog(), plugins, on_tick)
-    if made.content is None:
-        tell(
-            f"{path} does not hold its large messages, and they cannot be recomputed: {made.why}\n"
-            f"  only what it holds is shown; {made.hint}"
-        )
-        return recording
-    how = (
-        f"a replay recomputed them in {made.wall_s:.1f} s"
-        if made.wall_s
-        else "an earlier replay kept them in the cache"
-    )
-    tell(f"{path} does not hold its large messages: {how}")
-    completed = Recording(path, made.content)
-    completed.truncated, completed.damaged = recording.truncated, recording.damaged
-    recording.close()
-    return completed
-
-
 def cache_folder() -> Path | None:
     """Return the folder of completed logs, below ``XDG_CACHE_HOME`` or ``~/.cache``; None without a home folder."""
     folder = user_folder("XDG_CACHE_HOME")
     return None if folder is None else folder / "logs"
 
 
-def _complete(
+def complete(
     recording: Recording, catalog: Catalog, plugins: Sequence[Path], on_tick: Callable[[int], None]
-) -> _Completion:
+) -> Completion:
+    """Return the file with every message of a log that leaves some out; a replay makes it if the cache has none.
+
+    See `graphnav.core.api.logs.open_completed.open_completed`.
+    """
     if is_live(recording.about):
-        return _Completion(None, "live stages do not publish the same again")
+        return Completion(None, "live stages do not publish the same again")
     try:
         kept = _kept_path(recording.path, plugins)
         if kept is not None and kept.is_file():
             with suppress(OSError):
                 os.utime(kept)
-            return _Completion(kept)
+            return Completion(kept)
         made = graph_to_replay(recording, catalog, plugins=plugins)  # loads the plugins of the run, if trusted
         pending, begin_s = _pending_path(kept), time.monotonic()
         try:
@@ -122,25 +82,25 @@ def _complete(
             )
             why = _why_not(recording, result)
             wall_s = time.monotonic() - begin_s
-            return _Completion(None, why) if why else _Completion(_keep(pending, kept), wall_s=wall_s)
+            return Completion(None, why) if why else Completion(_keep(pending, kept), wall_s=wall_s)
         except (LogError, OSError) as error:
             cause = error if isinstance(error, OSError) else error.__cause__
             if not isinstance(cause, OSError):
                 raise
             hint = "free space there, or name another cache folder by XDG_CACHE_HOME"
-            return _Completion(None, f"cannot write into {pending.parent}: {cause.strerror}", hint=hint)
+            return Completion(None, f"cannot write into {pending.parent}: {cause.strerror}", hint=hint)
         finally:
             pending.unlink(missing_ok=True)
     except UserError as error:
         if untrusted := [problem for problem in error.problems if problem.kind == "untrusted"]:
             names = ", ".join(sorted(shown_name(file.name) for file in catalog.trust.refused()))
             why = f"its plugins are Python code that is not trusted ({names})"
-            return _Completion(None, why, hint=str(untrusted[0].hint))
-        return _Completion(None, error.problems[0].what)
+            return Completion(None, why, hint=str(untrusted[0].hint))
+        return Completion(None, error.problems[0].what)
     except GraphnavError as error:
-        return _Completion(None, message_line(error))
+        return Completion(None, message_line(error))
     except OSError as error:
-        return _Completion(None, f"{error.filename or recording.path}: {error.strerror}")
+        return Completion(None, f"{error.filename or recording.path}: {error.strerror}")
 
 
 def _leaving_room(folder: Path, on_tick: Callable[[int], None]) -> Callable[[int], None]:

@@ -10,13 +10,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from graphnav.codec import DecodeError, encode
-from graphnav.errors import GraphnavError, StageError, UserError
-from graphnav.graph.wiring.channels import RESERVED
-from graphnav.interrupts import third_party_code
-from graphnav.live.about import live_about
-from graphnav.messages import About
-from graphnav.record import ABOUT, LogWriter, Recording
+from graphnav.core.codec import DecodeError, encode
+from graphnav.core.errors import GraphnavError, StageError, UserError
+from graphnav.core.graph.wiring.channels import RESERVED
+from graphnav.core.interrupts import third_party_code
+from graphnav.core.messages import About
+from graphnav.core.record import ABOUT, LogWriter, Recording
+from graphnav.core.runner.engine import Engine
+from graphnav.core.runner.recording.failures import Failures
+from graphnav.core.runner.recording.live_about import live_about
+from graphnav.core.runner.recording.run_recorded import about_of
+from graphnav.core.runner.recording.summary import scores_of
 from graphnav.replay.comparison.comparison import Comparison, Scope
 from graphnav.replay.comparison.field_differences import Tolerance
 from graphnav.replay.comparison.result import ReplayResult, Reproduced
@@ -26,10 +30,6 @@ from graphnav.replay.log.recorded_metrics import recorded_scores
 from graphnav.replay.log.reproduction import Reproduction, reproduction_of
 from graphnav.replay.plan import make_plan
 from graphnav.replay.session import live_session, lockstep_session
-from graphnav.runner.engine import Engine
-from graphnav.runner.recording.failures import Failures
-from graphnav.runner.recording.run_recorded import about_of
-from graphnav.runner.recording.summary import scores_of
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,10 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.errors import UserError
-from graphnav.record import Recording
+from graphnav.core.errors import UserError
+from graphnav.core.record import Recording
+from graphnav.core.runner.engine import Sink
+from graphnav.core.stage import Stage
 from graphnav.replay.log.check_log import reach_of, refuse_unlogged, refuse_unread, refuse_unreadable
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import read_firings
@@ -19,8 +21,6 @@ from graphnav.replay.stepping.firing_log import FiringLog
 from graphnav.replay.stepping.firing_replay import FiringReplay
 from graphnav.replay.stepping.reproduced_sources import ReproducedSources
 from graphnav.replay.stepping.tick_replay import Sinks, TickReplay, Timetable
-from graphnav.runner.engine import Sink
-from graphnav.stage import Stage
 
 _SEQ = slice(16, 24)
 """Position of the sequence number in a message, after the fingerprint and the timestamp."""

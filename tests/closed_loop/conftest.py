@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from graphnav import Recording
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.record import LOG
-from graphnav.runner.recording.run_recorded import run_recorded
-from graphnav.runner.recording.summary import Summary
-from graphnav.trust import Trust
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.record import LOG
+from graphnav.core.runner.recording.run_recorded import run_recorded
+from graphnav.core.runner.recording.summary import Summary
+from graphnav.core.trust import Trust
 
 Drive = Callable[..., tuple[Summary, Recording]]
 

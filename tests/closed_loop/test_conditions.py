@@ -15,8 +15,8 @@ from graphnav_steer.oracle import Oracle
 from graphnav_world.world import Pymunk, WorldOutputs
 
 from graphnav import Finished, Latest, Map, Recording, Stamp, State, Twist, coarsen
-from graphnav.graph.find import shipped_folder
-from graphnav.runner.recording.summary import Summary
+from graphnav.core.graph.find import shipped_folder
+from graphnav.core.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 MODELS = {

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from graphnav import Recording, State
-from graphnav.cli import main
-from graphnav.record import LOG
+from graphnav.core.cli import main
+from graphnav.core.record import LOG
 
 MAP = """
 start: {at_m: [0, 0]}

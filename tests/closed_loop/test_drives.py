@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from graphnav import Recording, State
-from graphnav.runner.recording.summary import Summary
+from graphnav.core.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 SMALL = "run.record=small"

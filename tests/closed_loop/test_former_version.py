@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from graphnav_score.navigation import Navigation
 
-from graphnav.ablation.execution import read_plan
-from graphnav.ablation.results import pair_studies, read_records
-from graphnav.catalog import Catalog
-from graphnav.cli import main
-from graphnav.stage import UNDEFINED, former_names, metrics_of, params_of
+from graphnav.core.catalog import Catalog
+from graphnav.core.cli import main
+from graphnav.core.stage import UNDEFINED, former_names, metrics_of, params_of
+from graphnav.studies.ablation.execution import read_plan
+from graphnav.studies.ablation.results import pair_studies, read_records
 
 FORMER = Path(__file__).parents[1] / "fixtures" / "v0_1_0"
 RUN = FORMER / "run"

@@ -10,7 +10,7 @@ import pytest
 
 from graphnav import GuardState, Recording, State, Twist
 from graphnav.arrays import Doubles
-from graphnav.runner.recording.summary import Summary
+from graphnav.core.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 

@@ -10,12 +10,12 @@ from math import dist
 import pytest
 
 from graphnav import Recording, State
-from graphnav.ablation.plan import check_study
-from graphnav.ablation.study.find_study import shipped_studies
-from graphnav.ablation.study.study_file import load_study
-from graphnav.catalog import Catalog
-from graphnav.graph import Graph, load_graph, shipped_graphs
-from graphnav.runner.recording.summary import Summary
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import Graph, load_graph, shipped_graphs
+from graphnav.core.runner.recording.summary import Summary
+from graphnav.studies.ablation.plan import check_study
+from graphnav.studies.ablation.study.find_study import shipped_studies
+from graphnav.studies.ablation.study.study_file import load_study
 
 GRAPHS = sorted(name for name in shipped_graphs() if name.split("/")[0] in ("navigate", "navigate_robot"))
 STUDIES = sorted(name for name in shipped_studies() if name.startswith("navigate"))

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from graphnav import Image, Map, Recording
-from graphnav.runner.recording.summary import Summary
+from graphnav.core.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"

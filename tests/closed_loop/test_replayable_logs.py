@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 from graphnav import Recording
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.record import ABOUT, LOG
-from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
-from graphnav.runner.recording.run_recorded import run_recorded
-from graphnav.runner.recording.summary import Summary
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.record import ABOUT, LOG
+from graphnav.core.runner.recording.run_recorded import run_recorded
+from graphnav.core.runner.recording.summary import Summary
+from graphnav.replay.comparison.result import ReplayResult
+from graphnav.replay.log.log_graph import graph_to_replay
+from graphnav.replay.replay import ReplayOptions, replay
 
 Drive = Callable[..., tuple[Summary, Recording]]
 REPLAYABLE = "run.record=replayable"

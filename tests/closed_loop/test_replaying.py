@@ -9,11 +9,13 @@ from typing import Any
 import pytest
 
 from graphnav import Recording
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.record import LOG
-from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
-from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.record import LOG
+from graphnav.core.runner.recording.run_recorded import run_recorded
+from graphnav.replay.comparison.result import ReplayResult
+from graphnav.replay.log.log_graph import graph_to_replay
+from graphnav.replay.replay import ReplayOptions, replay
 
 Again = Callable[..., ReplayResult]
 

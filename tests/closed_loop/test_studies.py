@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.cli import main
+from graphnav.core.cli import main
 
 pytestmark = pytest.mark.long
 SCRIPTS = Path(sysconfig.get_path("scripts"))
@@ -156,7 +156,10 @@ def test_ctrl_c_on_a_cluster_is_clean(tmp_path: Path, cluster: str) -> None:
 
 
 def test_without_dask_it_is_said_what_to_install(tmp_path: Path) -> None:
-    code = "import sys; sys.modules['distributed'] = None; from graphnav.cli import main; sys.exit(main(sys.argv[1:]))"
+    code = (
+        "import sys; sys.modules['distributed'] = None\n"
+        "from graphnav.core.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
     words = ["ablate", *STUDY, "--seeds", "0:1", "-o", str(tmp_path / "out"), "--cluster", "tcp://127.0.0.1:1"]
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (2, "--cluster needs Dask\n  pip install 'distributed>=2024.4'\n")

@@ -11,11 +11,11 @@ import yaml
 from graphnav_world.maps.world_map import load_map
 
 import graphnav
-from graphnav.ablation.plan import check_study
-from graphnav.ablation.study.find_study import shipped_studies
-from graphnav.ablation.study.study_file import load_study
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, shipped_graphs
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, shipped_graphs
+from graphnav.studies.ablation.plan import check_study
+from graphnav.studies.ablation.study.find_study import shipped_studies
+from graphnav.studies.ablation.study.study_file import load_study
 
 GRAPHS = sorted(name for name in shipped_graphs() if name.startswith("suite/"))
 WORLDS = [

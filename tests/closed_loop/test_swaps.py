@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.cli import main
+from graphnav.core.cli import main
 
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 

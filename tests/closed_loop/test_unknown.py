@@ -9,7 +9,7 @@ import pytest
 
 from graphnav import GuardState, Recording, Twist
 from graphnav.arrays import Doubles
-from graphnav.runner.recording.summary import Summary
+from graphnav.core.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
 OFF = ("steer.unjudged=free", "guard.unjudged=ignore")

@@ -6,9 +6,9 @@ from typing import get_args
 
 import pytest
 
-from graphnav.catalog import Catalog
-from graphnav.errors import ParamError
-from graphnav.stage import Param, params_of
+from graphnav.core.catalog import Catalog
+from graphnav.core.errors import ParamError
+from graphnav.core.stage import Param, params_of
 
 CATALOG = Catalog()
 USES = [f"{family}.{name}" for family in CATALOG.families() for name in CATALOG.names(family)]

@@ -2,8 +2,8 @@
 
 import pytest
 
-from graphnav.catalog import Catalog
-from graphnav.stage import ports_of
+from graphnav.core.catalog import Catalog
+from graphnav.core.stage import ports_of
 from graphnav.testing import check_stage
 
 CATALOG = Catalog()

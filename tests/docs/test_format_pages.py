@@ -10,9 +10,9 @@ import yaml
 from graphnav_world.maps.map_format import MAP
 from graphnav_world.maps.world_map import load_map
 
-from graphnav.ablation.plan import check_study
-from graphnav.ablation.study import study_of_command
-from graphnav.catalog import Catalog
+from graphnav.core.catalog import Catalog
+from graphnav.studies.ablation.plan import check_study
+from graphnav.studies.ablation.study import study_of_command
 
 from .conftest import DOCS, blocks, shell
 

@@ -15,7 +15,7 @@ import pytest
 from graphnav_lcm import twist_t
 
 from graphnav import Image
-from graphnav.codec import encode
+from graphnav.core.codec import encode
 
 from .conftest import DOCS, blocks, shell, write_files
 
@@ -37,8 +37,8 @@ import json
 from pathlib import Path
 from base import pose_t
 from graphnav import Twist
-from graphnav.catalog import Catalog
-from graphnav.codec import codec_of
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import codec_of
 catalog = Catalog()
 catalog.add_file(Path("base_adapters.py"))
 wheels, pose = catalog.adapters().writers["base.wheels_t"], catalog.adapters().readers["base.pose_t"]

@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from graphnav import __version__
-from graphnav.cli import COMMANDS
-from graphnav.graph import shipped_graphs
+from graphnav.core.cli import commands
+from graphnav.core.graph import shipped_graphs
 
 from .conftest import DOCS, blocks, shell, shortened, write_files
 
@@ -62,7 +62,7 @@ def test_the_pictures_are_there() -> None:
 
 def test_the_changelog_names_every_command() -> None:
     changelog = (ROOT / "CHANGELOG.md").read_text()
-    assert all(re.search(rf"`{command}\b", changelog) for command in COMMANDS)
+    assert all(re.search(rf"`{command}\b", changelog) for command in commands())
 
 
 def test_every_file_names_the_same_version() -> None:

@@ -12,7 +12,7 @@ from result_pages.expression import evaluate
 from result_pages.shipped_results import ShippedResults
 from result_pages.tables import with_tables
 
-from graphnav.errors import UserError
+from graphnav.core.errors import UserError
 
 HEADER = "graph,variant,role,method,condition,seed,outcome,failure,frames,sim_s,drive.success,sight.auroc"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from graphnav.bus import Bus
+from graphnav.core.bus import Bus
 
 
 class Listener:

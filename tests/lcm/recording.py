@@ -11,9 +11,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from graphnav.bus import Bus
-from graphnav.errors import LogError
-from graphnav.record import Event, Recording
+from graphnav.core.bus import Bus
+from graphnav.core.errors import LogError
+from graphnav.core.record import Event, Recording
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 PATIENCE_S = 60

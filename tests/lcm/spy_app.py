@@ -12,16 +12,16 @@ from pathlib import Path
 import numpy as np
 from textual.pilot import Pilot
 
-from graphnav.bus import Bus
-from graphnav.catalog import Catalog
-from graphnav.codec import encode, lcm_name
-from graphnav.messages import About, Flow, Image, Message, Plane, State, Twist
-from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Feed
-from graphnav.spy.screen import SpyApp, watch_of
-from graphnav.spy.screen.channel_screen import ChannelScreen
-from graphnav.spy.screen.channel_table import ChannelTable
-from graphnav.spy.screen.screen_image import cells_of
+from graphnav.core.bus import Bus
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import encode, lcm_name
+from graphnav.core.messages import About, Flow, Image, Message, Plane, State, Twist
+from graphnav.core.record import ABOUT, LogWriter
+from graphnav.watch.spy import Feed
+from graphnav.watch.spy.screen import SpyApp, watch_of
+from graphnav.watch.spy.screen.channel_screen import ChannelScreen
+from graphnav.watch.spy.screen.channel_table import ChannelTable
+from graphnav.watch.spy.screen.screen_image import cells_of
 
 TYPES: dict[str, type[Message]] = {
     "robot.image": Image,

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from graphnav import Adapter, Image, Twist
-from graphnav.catalog import Catalog
-from graphnav.codec import codec_of, lcm_name, lcm_text_of, type_named, type_of
-from graphnav.spy import Traffic
-from graphnav.spy.feed import Received
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import codec_of, lcm_name, lcm_text_of, type_named, type_of
+from graphnav.watch.spy import Traffic
+from graphnav.watch.spy.feed import Received
 
 NAME = "bot_core.image_t"
 

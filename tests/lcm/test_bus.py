@@ -12,8 +12,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from graphnav.bus import GROUP, MAKE_ROUTE, Bus, require_route, with_defaults
-from graphnav.errors import BusError
+from graphnav.core.bus import GROUP, MAKE_ROUTE, Bus, require_route, with_defaults
+from graphnav.core.errors import BusError
 
 
 def test_what_is_published_arrives_in_order_when_drained() -> None:
@@ -155,17 +155,17 @@ def test_a_missing_multicast_route_is_said_with_the_command_that_makes_one() -> 
     unshare = shutil.which("unshare")
     if unshare is None or subprocess.run([unshare, "-rn", "true"], capture_output=True, check=False).returncode:
         pytest.skip("this machine gives no network namespace to try it in")
-    program = f"from graphnav.bus import Bus; Bus({GROUP!r})"
+    program = f"from graphnav.core.bus import Bus; Bus({GROUP!r})"
     done = subprocess.run([unshare, "-rn", sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.stderr.splitlines()[-2:] == [
-        "graphnav.errors.NoRouteError: no multicast route to 239.255.76.67",
+        "graphnav.core.errors.NoRouteError: no multicast route to 239.255.76.67",
         f"  run as root: {MAKE_ROUTE}",
     ]
 
 
 def test_the_command_that_makes_a_route_fixes_it() -> None:
     unshare = shutil.which("unshare")
-    program = f"{MAKE_ROUTE} && '{sys.executable}' -c 'from graphnav.bus import *; require_route(GROUP)'"
+    program = f"{MAKE_ROUTE} && '{sys.executable}' -c 'from graphnav.core.bus import *; require_route(GROUP)'"
     if unshare is None or subprocess.run([unshare, "-rn", "ip", "link"], capture_output=True, check=False).returncode:
         pytest.skip("this machine gives no network namespace to try it in")
     subprocess.run([unshare, "-rn", "sh", "-c", program], check=True)

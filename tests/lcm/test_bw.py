@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphnav.bus import Bus
-from graphnav.cli import main
-from graphnav.codec import encode
-from graphnav.messages import Twist
-from graphnav.record import LogWriter
-from graphnav.spy import Received, Traffic
+from graphnav.core.bus import Bus
+from graphnav.core.cli import main
+from graphnav.core.codec import encode
+from graphnav.core.messages import Twist
+from graphnav.core.record import LogWriter
+from graphnav.watch.spy import Received, Traffic
 
 
 @pytest.fixture

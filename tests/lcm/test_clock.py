@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from graphnav.runner.simulated_clock import SimulatedClock
+from graphnav.core.runner.simulated_clock import SimulatedClock
 
 
 class Wall:

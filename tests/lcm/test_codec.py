@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.codec import codec_of
+from graphnav.core.codec import codec_of
 
 NUMPY = {"int8_t": "i1", "int16_t": "i2", "int32_t": "i4", "int64_t": "i8", "byte": "u1", "float": "f4", "double": "f8"}
 NUMPY["boolean"] = "?"

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.codec import DecodeError, EncodeError, codec_of, decode, encode
-from graphnav.messages import Flow, Image, Twist
+from graphnav.core.codec import DecodeError, EncodeError, codec_of, decode, encode
+from graphnav.core.messages import Flow, Image, Twist
 
 FLOW = Flow(uv_px=np.zeros((2, 3, 2), np.float32), valid=np.ones((2, 3), np.uint8), interval_us=100_000)
 MAX_PEAK_BYTES = 1_000_000

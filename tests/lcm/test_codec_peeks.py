@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.codec import SHIPPED, DecodeError, codec_of, encode, fields_of
-from graphnav.messages import Twist
+from graphnav.core.codec import SHIPPED, DecodeError, codec_of, encode, fields_of
+from graphnav.core.messages import Twist
 
 from .test_codec import NAMES, objects
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.cli import main
-from graphnav.codec import encode, lcm_text_of
-from graphnav.errors import LogError
-from graphnav.messages import About, Twist
-from graphnav.record import ABOUT, Event, LogWriter, Recording
+from graphnav.core.cli import main
+from graphnav.core.codec import encode, lcm_text_of
+from graphnav.core.errors import LogError
+from graphnav.core.messages import About, Twist
+from graphnav.core.record import ABOUT, Event, LogWriter, Recording
 
 SAID = About(
     "about: A toy.\nstages: {}\n", lcm_text_of([Twist.lcm_class]), "", 7, ("twist",), ("graphnav_lcm.twist_t",)

@@ -14,20 +14,20 @@ import pytest
 from rich.segment import Segment
 from textual.color import Color
 
-from graphnav.bus import Bus
-from graphnav.catalog import Catalog
-from graphnav.cli import main
-from graphnav.cli.progress import progress_bar
-from graphnav.codec import encode, lcm_name
-from graphnav.errors import printable
-from graphnav.machine.console import Console
-from graphnav.messages import About, Status, Twist
-from graphnav.notices import print_notice
-from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Feed
-from graphnav.spy.screen import SpyApp
-from graphnav.spy.watch.live_watch import LiveWatch
-from graphnav.tap import Tap
+from graphnav.core.bus import Bus
+from graphnav.core.catalog import Catalog
+from graphnav.core.cli import main
+from graphnav.core.cli.progress import progress_bar
+from graphnav.core.codec import encode, lcm_name
+from graphnav.core.errors import printable
+from graphnav.core.machine.console import Console
+from graphnav.core.messages import About, Status, Twist
+from graphnav.core.notices import print_notice
+from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.tap import Tap
+from graphnav.watch.spy import Feed
+from graphnav.watch.spy.screen import SpyApp
+from graphnav.watch.spy.watch.live_watch import LiveWatch
 
 HOSTILE = [
     "\x1b]0;title\x07",

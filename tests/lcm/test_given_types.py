@@ -16,11 +16,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from graphnav.cli import main
-from graphnav.codec import codec_of, fields_of, fingerprint, lcm_name, type_named, type_of
-from graphnav.errors import UserError
-from graphnav.record import LogWriter
-from graphnav.typeinfo import definition_files, load_types
+from graphnav.core.cli import main
+from graphnav.core.codec import codec_of, fields_of, fingerprint, lcm_name, type_named, type_of
+from graphnav.core.errors import UserError
+from graphnav.core.record import LogWriter
+from graphnav.core.typeinfo import definition_files, load_types
 
 from .conftest import TOOLS
 from .recording import GRAPHNAV, RecordProcess, events_of, wait_until

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graphnav.cli import main
-from graphnav.codec import encode, lcm_text_of
-from graphnav.messages import About, Flow, Twist
-from graphnav.record import ABOUT, LogWriter
+from graphnav.core.cli import main
+from graphnav.core.codec import encode, lcm_text_of
+from graphnav.core.messages import About, Flow, Twist
+from graphnav.core.record import ABOUT, LogWriter
 
 from .recording import GRAPHNAV
 
@@ -155,9 +155,9 @@ def test_types_of_other_packages_are_decoded(tmp_path: Path, capsys: pytest.Capt
     )
     script = (
         "import sys\n"
-        "from graphnav.codec import codec_of\n"
-        "from graphnav.record import LogWriter\n"
-        "from graphnav.typeinfo import load_types\n"
+        "from graphnav.core.codec import codec_of\n"
+        "from graphnav.core.record import LogWriter\n"
+        "from graphnav.core.typeinfo import load_types\n"
         "gps_t = load_types([sys.argv[1]])['foreign.gps_t']\n"
         "with LogWriter(sys.argv[2]) as log:\n"
         "    for k in (0, 1, 4):\n"

@@ -22,12 +22,12 @@ import numpy as np
 import pytest
 
 from graphnav import Image
-from graphnav.bus import Bus
-from graphnav.catalog import Catalog
-from graphnav.codec import encode
-from graphnav.graph import load_graph
-from graphnav.large_messages import child
-from graphnav.large_messages.child import FRAGMENT_BYTES, PACKET_BYTES, packets
+from graphnav.core.bus import Bus
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import encode
+from graphnav.core.graph import load_graph
+from graphnav.core.large_messages import child
+from graphnav.core.large_messages.child import FRAGMENT_BYTES, PACKET_BYTES, packets
 from graphnav.live.clock import LiveClock
 from graphnav.live.outlet import Outlet, bus_send
 
@@ -210,7 +210,7 @@ def test_a_process_that_hangs_is_replaced(
 ) -> None:
     receiver = Python(group)
     bus.send("x", b"0" * 70_000)
-    monkeypatch.setattr("graphnav.large_messages.sender._PATIENCE_S", 1.0)
+    monkeypatch.setattr("graphnav.core.large_messages.sender._PATIENCE_S", 1.0)
     os.kill(own_sender(), signal.SIGSTOP)
     if newest_only:
         bus.send("x", b"1" * 80_000, newest_only=True)
@@ -233,7 +233,7 @@ def test_without_a_process_messages_leave_in_bursts(group: str, bus: Bus, monkey
 
 FORKED = """
 import os, sys, time
-from graphnav.bus import Bus
+from graphnav.core.bus import Bus
 bus = Bus(sys.argv[1])
 bus.send("x", bytes(100_000))
 if os.fork() == 0:
@@ -258,8 +258,8 @@ def test_the_process_ends_with_the_program_even_if_a_fork_of_that_lives(group: s
 
 REFUSED = """
 import subprocess
-from graphnav.bus import Bus, MAKE_ROUTE
-from graphnav.errors import BusError
+from graphnav.core.bus import Bus, MAKE_ROUTE
+from graphnav.core.errors import BusError
 subprocess.run(MAKE_ROUTE, shell=True, check=True)
 bus = Bus("udpm://239.255.77.1:7667")
 bus.send("x", bytes(100_000))

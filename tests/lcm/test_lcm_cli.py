@@ -16,10 +16,10 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 
-from graphnav.bus import Bus
-from graphnav.codec import encode
-from graphnav.messages import Flow, GuardState, Twist
-from graphnav.record import LogWriter
+from graphnav.core.bus import Bus
+from graphnav.core.codec import encode
+from graphnav.core.messages import Flow, GuardState, Twist
+from graphnav.core.record import LogWriter
 
 LCM = Path(sysconfig.get_path("scripts")) / "lcm"
 TYPES = Path(__file__).resolve().parents[2] / "lcmtypes"

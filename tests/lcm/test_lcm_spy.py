@@ -16,13 +16,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graphnav.bus import Bus
-from graphnav.cli import main
-from graphnav.codec import SHIPPED, encode
-from graphnav.machine.jdk import find_jdk
-from graphnav.messages import Flow, Twist
-from graphnav.record import LogWriter
-from graphnav.typeinfo import file_of_lcm, types_jar
+from graphnav.core.bus import Bus
+from graphnav.core.cli import main
+from graphnav.core.codec import SHIPPED, encode
+from graphnav.core.machine.jdk import find_jdk
+from graphnav.core.messages import Flow, Twist
+from graphnav.core.record import LogWriter
+from graphnav.core.typeinfo import file_of_lcm, types_jar
 
 from .conftest import TOOLS
 

@@ -8,11 +8,11 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from graphnav.bus import GROUP
-from graphnav.cli import main
-from graphnav.errors import UserError
-from graphnav.lcm_url import lcm_url, tap_url
-from graphnav.spy import Feed
+from graphnav.core.bus import GROUP
+from graphnav.core.cli import main
+from graphnav.core.errors import UserError
+from graphnav.core.lcm_url import lcm_url, tap_url
+from graphnav.watch.spy import Feed
 
 _BUFFER = "&recv_buf_size=2097152"
 

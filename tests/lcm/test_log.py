@@ -18,10 +18,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.codec import encode, lcm_text_of
-from graphnav.errors import LogError
-from graphnav.messages import About, Flow, Twist
-from graphnav.record import ABOUT, LogWriter, Recording
+from graphnav.core.codec import encode, lcm_text_of
+from graphnav.core.errors import LogError
+from graphnav.core.messages import About, Flow, Twist
+from graphnav.core.record import ABOUT, LogWriter, Recording
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
@@ -207,7 +207,7 @@ def test_a_disk_that_takes_nothing_is_said() -> None:
 
 KILLED = """
 import os, signal, sys
-from graphnav.record import LogWriter
+from graphnav.core.record import LogWriter
 log = LogWriter(sys.argv[1])
 for k in range(100):
     log.write("x", k, bytes(50_000))

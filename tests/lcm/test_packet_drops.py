@@ -10,11 +10,11 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from graphnav.bus import Bus
-from graphnav.errors import UserError
-from graphnav.recorder.listener import Listener
-from graphnav.spy import Feed, Received, Traffic, as_json, drops_of
-from graphnav.spy.watch.live_watch import LiveWatch
+from graphnav.core.bus import Bus
+from graphnav.core.errors import UserError
+from graphnav.watch.recorder.listener import Listener
+from graphnav.watch.spy import Feed, Received, Traffic, as_json, drops_of
+from graphnav.watch.spy.watch.live_watch import LiveWatch
 
 DROPPED = b"LC02\0\0\0\1"
 """A packet that the bus has the kernel drop: LCM would crash on it."""

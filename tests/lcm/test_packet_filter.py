@@ -13,7 +13,7 @@ import pytest
 
 _LISTEN = """
 import sys
-from graphnav.bus import Bus
+from graphnav.core.bus import Bus
 bus, received = Bus(sys.argv[1]), []
 bus.subscribe_all(lambda channel, data: received.append(channel))
 print("ready", flush=True)

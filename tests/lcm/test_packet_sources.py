@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterator
 import lcm
 import pytest
 
-from graphnav.bus import with_defaults
+from graphnav.core.bus import with_defaults
 from graphnav.live.inputs import packet_sources
 from graphnav.live.inputs.packet_sources import PacketSources
 

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.bus import GROUP, Bus
-from graphnav.cli import main
-from graphnav.codec import encode, lcm_text_of
-from graphnav.messages import About, Twist
-from graphnav.record import ABOUT, LogWriter
+from graphnav.core.bus import GROUP, Bus
+from graphnav.core.cli import main
+from graphnav.core.codec import encode, lcm_text_of
+from graphnav.core.messages import About, Twist
+from graphnav.core.record import ABOUT, LogWriter
 
 from .conftest import TOOLS
 from .listening import Listener

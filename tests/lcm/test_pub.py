@@ -12,11 +12,11 @@ from pathlib import Path
 import graphnav_lcm
 import pytest
 
-from graphnav.bus import GROUP, Bus
-from graphnav.cli import main
-from graphnav.codec import decode
-from graphnav.messages import Stop, Twist
-from graphnav.publish import Fields, Publisher, repeat
+from graphnav.core.bus import GROUP, Bus
+from graphnav.core.cli import main
+from graphnav.core.codec import decode
+from graphnav.core.messages import Stop, Twist
+from graphnav.live.publish import Fields, Publisher, repeat
 
 from .listening import Listener
 

@@ -18,12 +18,12 @@ import lcm
 import numpy as np
 import pytest
 
-from graphnav.bus import GROUP, Bus
-from graphnav.cli import main
-from graphnav.codec import encode
-from graphnav.messages import About, Image, Stop, Twist
-from graphnav.record import ABOUT, LOG, ChannelFilter, Recording, ThreadedLogWriter
-from graphnav.recorder import ReceiveStatistics, Recorder
+from graphnav.core.bus import GROUP, Bus
+from graphnav.core.cli import main
+from graphnav.core.codec import encode
+from graphnav.core.messages import About, Image, Stop, Twist
+from graphnav.core.record import ABOUT, LOG, ChannelFilter, Recording, ThreadedLogWriter
+from graphnav.watch.recorder import ReceiveStatistics, Recorder
 
 from .conftest import TOOLS
 from .recording import GRAPHNAV, RecordProcess, events_of, wait_until

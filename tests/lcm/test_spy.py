@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graphnav.bus import Bus
-from graphnav.cli import main
-from graphnav.codec import encode, lcm_name
-from graphnav.messages import About, Flow, Message, State, Twist
-from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Feed, Traffic, as_text
-from graphnav.tap import Tap
+from graphnav.core.bus import Bus
+from graphnav.core.cli import main
+from graphnav.core.codec import encode, lcm_name
+from graphnav.core.messages import About, Flow, Message, State, Twist
+from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.tap import Tap
+from graphnav.watch.spy import Feed, Traffic, as_text
 
 TYPES: dict[str, type[Message]] = {"flow.flow": Flow, "control.twist": Twist, "robot.state": State}
 SAID = About("stages: {}\n", "", "", 7, tuple(TYPES), tuple(lcm_name(m.lcm_class) for m in TYPES.values()))

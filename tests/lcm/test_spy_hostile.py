@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 from textual.pilot import Pilot
 
-from graphnav.bus import Bus
-from graphnav.catalog import Catalog
-from graphnav.codec import encode
-from graphnav.messages import Flow, Image, Map, Message, Plane, State, Status, Steering
-from graphnav.spy import Feed, Received, Traffic
-from graphnav.spy.screen import SpyApp
-from graphnav.spy.traffic import MAX_CHANNELS
-from graphnav.spy.watch.live_watch import LiveWatch
-from graphnav.spy.watch.watch import Memory
+from graphnav.core.bus import Bus
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import encode
+from graphnav.core.messages import Flow, Image, Map, Message, Plane, State, Status, Steering
+from graphnav.watch.spy import Feed, Received, Traffic
+from graphnav.watch.spy.screen import SpyApp
+from graphnav.watch.spy.traffic import MAX_CHANNELS
+from graphnav.watch.spy.watch.live_watch import LiveWatch
+from graphnav.watch.spy.watch.watch import Memory
 
 from .spy_app import until
 

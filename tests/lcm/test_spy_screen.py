@@ -10,15 +10,15 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Input
 
-from graphnav.codec import encode
-from graphnav.messages import Twist
-from graphnav.record import ABOUT, LogWriter
-from graphnav.spy.screen.channel_screen import ChannelScreen
-from graphnav.spy.screen.channel_table import ChannelTable
-from graphnav.spy.screen.channels_screen import ChannelsScreen
-from graphnav.spy.screen.field_tree import FieldTree
-from graphnav.spy.screen.keys_screen import KeysScreen
-from graphnav.spy.screen.picture_view import PictureView
+from graphnav.core.codec import encode
+from graphnav.core.messages import Twist
+from graphnav.core.record import ABOUT, LogWriter
+from graphnav.watch.spy.screen.channel_screen import ChannelScreen
+from graphnav.watch.spy.screen.channel_table import ChannelTable
+from graphnav.watch.spy.screen.channels_screen import ChannelsScreen
+from graphnav.watch.spy.screen.field_tree import FieldTree
+from graphnav.watch.spy.screen.keys_screen import KeysScreen
+from graphnav.watch.spy.screen.picture_view import PictureView
 
 from .spy_app import TYPES, drive, line_of, opened, screen_text, until, write_log
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from textual.pilot import Pilot
 
-from graphnav.bus import Bus
-from graphnav.codec import encode
-from graphnav.messages import About, Twist
-from graphnav.record import ABOUT
-from graphnav.spy.screen.channel_screen import ChannelScreen
-from graphnav.spy.screen.channel_table import ChannelTable
+from graphnav.core.bus import Bus
+from graphnav.core.codec import encode
+from graphnav.core.messages import About, Twist
+from graphnav.core.record import ABOUT
+from graphnav.watch.spy.screen.channel_screen import ChannelScreen
+from graphnav.watch.spy.screen.channel_table import ChannelTable
 
 from .spy_app import drive, screen_text, until
 

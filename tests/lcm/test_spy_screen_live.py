@@ -7,9 +7,9 @@ from pathlib import Path
 from textual.pilot import Pilot
 from textual.widgets import Static
 
-from graphnav.bus import Bus
-from graphnav.record import Recording
-from graphnav.spy.screen.keys_screen import KeysScreen
+from graphnav.core.bus import Bus
+from graphnav.core.record import Recording
+from graphnav.watch.spy.screen.keys_screen import KeysScreen
 
 from .spy_app import drive, line_of, opened, publishing, screen_text, until
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graphnav.cli import main
-from graphnav.codec import encode
-from graphnav.messages import About, Twist
-from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Feed, Received, Traffic, as_text
-from graphnav.spy.traffic import RUN_SILENT_S
+from graphnav.core.cli import main
+from graphnav.core.codec import encode
+from graphnav.core.messages import About, Twist
+from graphnav.core.record import ABOUT, LogWriter
+from graphnav.watch.spy import Feed, Received, Traffic, as_text
+from graphnav.watch.spy.traffic import RUN_SILENT_S
 
 NASTY = "x\nALL IS WELL\x1b[2J"
 SHOWN = r"x\nALL IS WELL\x1b[2J"

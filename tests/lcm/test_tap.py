@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graphnav.bus import Bus, fits_packet
-from graphnav.codec import codec_of, decode, encode, lcm_name
-from graphnav.messages import About, Flow, Image, Message, Twist
-from graphnav.record import ABOUT
-from graphnav.tap import Tap
+from graphnav.core.bus import Bus, fits_packet
+from graphnav.core.codec import codec_of, decode, encode, lcm_name
+from graphnav.core.messages import About, Flow, Image, Message, Twist
+from graphnav.core.record import ABOUT
+from graphnav.core.tap import Tap
 
 RNG = np.random.default_rng(11)
 TYPES: dict[str, type[Message]] = {"flow.flow": Flow, "robot.image": Image, "control.twist": Twist}
@@ -197,7 +197,13 @@ def test_without_a_multicast_route_it_says_the_command() -> None:
     unshare = shutil.which("unshare")
     if unshare is None or subprocess.run([unshare, "-rn", "true"], capture_output=True, check=False).returncode:
         pytest.skip("this machine gives no network namespace to try it in")
-    command = [unshare, "-rn", sys.executable, "-c", "from graphnav.tap import Tap; Tap('thin', 'run-1', 'udpm://')"]
+    command = [
+        unshare,
+        "-rn",
+        sys.executable,
+        "-c",
+        "from graphnav.core.tap import Tap; Tap('thin', 'run-1', 'udpm://')",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert "no multicast route" in done.stderr
     assert "ip route add 224.0.0.0/4 dev lo" in done.stderr

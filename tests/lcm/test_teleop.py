@@ -16,9 +16,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.cli import main
-from graphnav.codec import decode
-from graphnav.messages import Stop, Twist
+from graphnav.core.cli import main
+from graphnav.core.codec import decode
+from graphnav.core.messages import Stop, Twist
 
 from .listening import Listener
 

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.codec import encode
-from graphnav.messages import About, Gap
-from graphnav.record import ABOUT, GAP, LOG, LogGap, LogWriter, Recording, ThreadedLogWriter, threaded_writer
-from graphnav.record.find_log import files_of, numbered
-from graphnav.record.log_files import LogFiles, Split
-from graphnav.runner.recording.kept_messages import open_log
-from graphnav.spec import RunOptions
+from graphnav.core.codec import encode
+from graphnav.core.messages import About, Gap
+from graphnav.core.record import ABOUT, GAP, LOG, LogGap, LogWriter, Recording, ThreadedLogWriter, threaded_writer
+from graphnav.core.record.find_log import files_of, numbered
+from graphnav.core.record.log_files import LogFiles, Split
+from graphnav.core.runner.recording.kept_messages import open_log
+from graphnav.core.spec import RunOptions
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 

@@ -12,10 +12,10 @@ from typing import Any
 import lcm
 import numpy as np
 
-from graphnav.bus import Bus
-from graphnav.codec import encode
-from graphnav.messages import Flow, Image, Message, State, Twist
-from graphnav.record import LogWriter, Recording
+from graphnav.core.bus import Bus
+from graphnav.core.codec import encode
+from graphnav.core.messages import Flow, Image, Message, State, Twist
+from graphnav.core.record import LogWriter, Recording
 
 from .conftest import TOOLS
 

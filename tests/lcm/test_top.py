@@ -21,14 +21,14 @@ import numpy as np
 import pytest
 from acceptance.terminal import Terminal
 
-from graphnav.bus import Bus
-from graphnav.cli import main
-from graphnav.codec import encode
-from graphnav.machine.console import Console
-from graphnav.messages import About, GuardState, Message, Status
-from graphnav.record import ABOUT, LogWriter
-from graphnav.spy import Health, Received, health_as_json, health_as_text
-from graphnav.spy.health.health import MAX_RUNS
+from graphnav.core.bus import Bus
+from graphnav.core.cli import main
+from graphnav.core.codec import encode
+from graphnav.core.machine.console import Console
+from graphnav.core.messages import About, GuardState, Message, Status
+from graphnav.core.record import ABOUT, LogWriter
+from graphnav.watch.spy import Health, Received, health_as_json, health_as_text
+from graphnav.watch.spy.health.health import MAX_RUNS
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 STAGE = {

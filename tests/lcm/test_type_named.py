@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.codec import type_named
+from graphnav.core.codec import type_named
 
 
 def test_a_name_imports_no_package_that_lcm_gen_did_not_make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.codec import fingerprint, known_types, type_of
-from graphnav.messages import Message
-from graphnav.typeinfo import load_types
+from graphnav.core.codec import fingerprint, known_types, type_of
+from graphnav.core.messages import Message
+from graphnav.core.typeinfo import load_types
 
 from .conftest import TOOLS
 

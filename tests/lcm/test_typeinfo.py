@@ -16,10 +16,10 @@ from types import ModuleType
 import graphnav_lcm
 import pytest
 
-from graphnav.cli import main
-from graphnav.codec import SHIPPED, comments_of, constants_of, find_type, fingerprint, lcm_name
-from graphnav.errors import UserError
-from graphnav.typeinfo import definition_files, definition_text, write_java
+from graphnav.core.cli import main
+from graphnav.core.codec import SHIPPED, comments_of, constants_of, find_type, fingerprint, lcm_name
+from graphnav.core.errors import UserError
+from graphnav.core.typeinfo import definition_files, definition_text, write_java
 
 from .conftest import TOOLS
 

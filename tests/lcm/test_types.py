@@ -14,8 +14,8 @@ import graphnav_lcm
 import numpy as np
 import pytest
 
-from graphnav import messages
-from graphnav.codec import (
+from graphnav.core import messages
+from graphnav.core.codec import (
     SHIPPED,
     codec_of,
     decode,
@@ -27,8 +27,8 @@ from graphnav.codec import (
     type_named,
     type_of,
 )
-from graphnav.messages import Message
-from graphnav.typeinfo import nested_types
+from graphnav.core.messages import Message
+from graphnav.core.typeinfo import nested_types
 
 from .conftest import TOOLS
 

@@ -13,15 +13,17 @@ import numpy as np
 import pytest
 
 from graphnav import Image, Odometry, Recording, Twist
-from graphnav.bus import Bus
-from graphnav.catalog import Catalog
-from graphnav.codec import decode, encode
-from graphnav.graph import Graph, load_graph, parse_override
-from graphnav.live import run_live
-from graphnav.messages import Message
-from graphnav.record import LOG
-from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
-from graphnav.runner.recording.summary import Summary
+from graphnav.core.bus import Bus
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import decode, encode
+from graphnav.core.graph import Graph, load_graph, parse_override
+from graphnav.core.messages import Message
+from graphnav.core.record import LOG
+from graphnav.core.runner.recording.summary import Summary
+from graphnav.live.run import run_live
+from graphnav.replay.comparison.result import ReplayResult
+from graphnav.replay.log.log_graph import graph_to_replay
+from graphnav.replay.replay import ReplayOptions, replay
 
 STAGES = Path(__file__).parent / "stages.py"
 PATIENCE_S = 20.0

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from graphnav import Twist
-from graphnav.errors import UserError
-from graphnav.machine.receive_buffer import RECEIVE_BUFFER_BYTES as NEEDED
-from graphnav.machine.receive_buffer import buffer_limit
+from graphnav.core.errors import UserError
+from graphnav.core.machine.receive_buffer import RECEIVE_BUFFER_BYTES as NEEDED
+from graphnav.core.machine.receive_buffer import buffer_limit
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside
@@ -179,7 +179,7 @@ def test_a_fast_timer_starves_no_stage(live: Begin, outside: Program) -> None:
 
 @pytest.mark.parametrize("url", ["", "nonsense", "memq://", "udpm://1.2.3.4:7667"])
 def test_a_url_where_no_program_can_be_reached_is_refused(load: Callable[[str], object], url: str) -> None:
-    from graphnav.live import live_url
+    from graphnav.core.lcm_url import live_url
 
     graph = load(GUARDED.format(dawdle_s=0, every_ms=50))
     with pytest.raises(UserError, match="--url"):

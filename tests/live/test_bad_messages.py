@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from graphnav import Goal, Image, Odometry, Stop, Twist
-from graphnav.codec import decode, encode
+from graphnav.core.codec import decode, encode
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from graphnav import Odometry, Status
-from graphnav.live.join import MAX_UNMATCHED
+from graphnav.core.runner.join import MAX_UNMATCHED
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from graphnav import Recording
-from graphnav.errors import GraphnavError
-from graphnav.replay import ReplayResult
+from graphnav.core.errors import GraphnavError
+from graphnav.replay.comparison.result import ReplayResult
 
 Again = Callable[..., ReplayResult]
 

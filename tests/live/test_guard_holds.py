@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from graphnav import GuardState, Image
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph
 from graphnav.live.health.guard_holds import Hold
 
 if TYPE_CHECKING:

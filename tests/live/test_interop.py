@@ -10,9 +10,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from graphnav import GuardState, State, Status, Stop, Twist
-from graphnav.cli import main
-from graphnav.codec import decode
-from graphnav.tap import Tap
+from graphnav.core.cli import main
+from graphnav.core.codec import decode
+from graphnav.core.tap import Tap
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside

@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from graphnav import Recording, Twist
-from graphnav.cli import main
-from graphnav.messages import Fired
-from graphnav.record import ABOUT
-from graphnav.replay import ReplayResult
+from graphnav.core.cli import main
+from graphnav.core.messages import Fired
+from graphnav.core.record import ABOUT
+from graphnav.replay.comparison.result import ReplayResult
 
 Again = Callable[..., ReplayResult]
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from graphnav import Recording
-from graphnav.errors import UserError
-from graphnav.live.firing import FIRED
-from graphnav.messages import Fired
-from graphnav.record import LogWriter
-from graphnav.replay import ReplayResult
+from graphnav.core.errors import UserError
+from graphnav.core.messages import Fired
+from graphnav.core.record import LogWriter
+from graphnav.core.runner.firing import FIRED
+from graphnav.replay.comparison.result import ReplayResult
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from graphnav import Recording
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 TOOLS = Path(__file__).parents[2] / "tools"
 ZOO = TOOLS / "attacks" / "zoo_stages.py"

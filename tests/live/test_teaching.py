@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from graphnav import Odometry, PlanarModel, Recording, Twist
-from graphnav.cli import main
+from graphnav.core.cli import main
 
 if TYPE_CHECKING:
     from tests.live.conftest import Outside

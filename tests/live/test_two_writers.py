@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import graphnav_lcm
 
 from graphnav import GuardState, Stop, Twist
-from graphnav.codec import codec_of, encode
+from graphnav.core.codec import codec_of, encode
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside

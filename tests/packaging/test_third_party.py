@@ -12,7 +12,7 @@ import pytest
 HERE = Path(__file__).parent
 FIXTURE = HERE.parent / "fixtures" / "graphnav_fixture_pkg"
 TOYS = HERE.parent / "errors" / "stages.py"
-GRAPHNAV = [sys.executable, "-c", "import sys; from graphnav.cli import main; sys.exit(main())"]
+GRAPHNAV = [sys.executable, "-c", "import sys; from graphnav.core.cli import main; sys.exit(main())"]
 
 GRAPH = """\
 about: A toy that third-party stages look at.

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.cli import main
+from graphnav.core.cli import main
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent

@@ -12,7 +12,7 @@ from acceptance.drives import say
 from acceptance.relay import STAMPS
 from acceptance.rig import Rig
 from graphnav import GuardState, Recording
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 NUMBER = 215
 LOOK_S = 10.0

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from acceptance.drives import GRAPHNAV, say
-from graphnav.ablation.results import student, wilson
 from graphnav.arrays import Doubles
+from graphnav.studies.ablation.results import student, wilson
 
 Run = dict[str, str]
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from acceptance.drives import say
-from graphnav.ablation.results import ALPHA, difference_interval, p_value, student
 from graphnav.arrays import Doubles
+from graphnav.studies.ablation.results import ALPHA, difference_interval, p_value, student
 
 STUDIES = 20_000
 WORLDS = (6, 10, 20, 50)

@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from acceptance.small_logs import STAGES
-from graphnav.cli import main
-from graphnav.errors import LogError
-from graphnav.record import Recording
-from graphnav.view.log_source import LogSource
+from graphnav.core.cli import main
+from graphnav.core.errors import LogError
+from graphnav.core.record import Recording
+from graphnav.watch.view.log_source import LogSource
 
 _CHUNK = 25
 

@@ -20,7 +20,7 @@ from graphnav_adapters.bot_core_image import MJPEG, BotCoreImage
 
 from acceptance.drives import say
 from acceptance.processes import graphnav_run, group_url, running
-from graphnav.codec import codec_of
+from graphnav.core.codec import codec_of
 
 GRAPH = """\
 inputs:

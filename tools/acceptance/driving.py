@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from acceptance.drives import Drives, drive_all, say
-from graphnav.ablation.results import wilson
+from graphnav.studies.ablation.results import wilson
 
 DRAWS = 10_000
 MIN_SHARE = 0.95

@@ -15,10 +15,10 @@ import numpy as np
 from acceptance.drives import say
 from acceptance.small_obstacles import SHARES
 from graphnav.arrays import Doubles
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.runner.recording.run_recorded import run_recorded
-from graphnav.trust import Trust
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.runner.recording.run_recorded import run_recorded
+from graphnav.core.trust import Trust
 
 GRAPH = Path(__file__).with_suffix(".yaml")
 DETECTORS = {

@@ -21,7 +21,7 @@ from acceptance.foreign_log import foreign_lines
 from acceptance.processes import await_file, end, group_url
 from acceptance.their_spy import their_spy_line
 from graphnav import Recording
-from graphnav.record import ABOUT, LOG
+from graphnav.core.record import ABOUT, LOG
 
 ROOT = Path(__file__).resolve().parents[2]
 LCM_CLI = Path(sysconfig.get_path("scripts")) / "lcm"

@@ -24,10 +24,10 @@ from mcap_protobuf.decoder import DecoderFactory
 from acceptance.display import display
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
-from graphnav.export.entries.topics import Topics
-from graphnav.export.foxglove.foxglove_channels import TOPICS
-from graphnav.export.tables.scalar_fields import Scalar, leaves_of
-from graphnav.record import ABOUT, LOG
+from graphnav.core.record import ABOUT, LOG
+from graphnav.watch.export.entries.topics import Topics
+from graphnav.watch.export.foxglove.foxglove_channels import TOPICS
+from graphnav.watch.export.tables.scalar_fields import Scalar, leaves_of
 
 _UNTIL_S = 60
 _SLOW = "control.max_speed_mps=0.2"

@@ -12,9 +12,9 @@ import lcm
 
 from acceptance.drives import GRAPHNAV
 from graphnav import Recording
-from graphnav.codec import lcm_name
-from graphnav.machine.jdk import find_jdk
-from graphnav.typeinfo import file_of_lcm
+from graphnav.core.codec import lcm_name
+from graphnav.core.machine.jdk import find_jdk
+from graphnav.core.typeinfo import file_of_lcm
 
 _SOURCES = Path(__file__).with_name("foreign")
 _ROOT = Path(__file__).resolve().parents[2]

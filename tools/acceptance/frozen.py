@@ -18,7 +18,7 @@ from acceptance.guarding import guard_item
 from acceptance.processes import drives_forward, hear
 from acceptance.rig import Rig
 from graphnav import GuardState, Recording, State
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 FIRST_NUMBER = 171
 MAX_DRIVE_S = 90.0

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from acceptance.drives import drive, say
 from graphnav import Recording, Twist
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, shipped_graphs
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, shipped_graphs
 
 RESTRICTED = {"white_wall"}
 """Graphs in which the guard has to restrict commands."""

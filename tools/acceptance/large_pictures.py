@@ -19,9 +19,9 @@ from acceptance.drives import say
 from acceptance.foreign_listeners import c_listener, java_listener
 from acceptance.processes import await_file, end, group_url
 from graphnav import Image, Recording
-from graphnav.bus import MAKE_ROUTE, Bus
-from graphnav.codec import encode
-from graphnav.machine.receive_buffer import try_receive_buffer
+from graphnav.core.bus import MAKE_ROUTE, Bus
+from graphnav.core.codec import encode
+from graphnav.core.machine.receive_buffer import try_receive_buffer
 
 N = 300
 SHAPES = {"307 kB": (480, 640), "922 kB": (480, 640, 3)}

@@ -13,7 +13,7 @@ import signal
 import sys
 from typing import Any, NoReturn
 
-from graphnav.machine.single_thread import ONE_THREAD
+from graphnav.core.machine.single_thread import ONE_THREAD
 
 MODULES = (
     "graphnav_flow.lucas_kanade",
@@ -22,10 +22,10 @@ MODULES = (
     "graphnav_plane.ica",
     "graphnav_steer.pca",
     "graphnav_control.guard",
-    "graphnav.cli.run",
+    "graphnav.core.cli.run",
     "graphnav.live",
-    "graphnav.report.pictures",
-    "graphnav.report.table",
+    "graphnav.core.report.pictures",
+    "graphnav.core.report.table",
     "rich.console",
     "lcm",
 )
@@ -47,7 +47,7 @@ def main() -> None:
 
 def _run(asked: dict[str, Any]) -> NoReturn:
     """Be the command."""
-    from graphnav.cli import main as graphnav  # noqa: PLC0415
+    from graphnav.core.cli import main as graphnav  # noqa: PLC0415
 
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     nothing = os.open(os.devnull, os.O_RDONLY)

@@ -18,9 +18,9 @@ from graphnav_score.plane import Plane
 from acceptance.drives import say
 from acceptance.seeing import pooled
 from graphnav import Stage
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.runner.recording.run_recorded import run_recorded
 
 Scores = dict[str, Flow | Plane]
 

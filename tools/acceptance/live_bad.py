@@ -31,7 +31,7 @@ from acceptance.corrupt import CLASSES, KINDS
 from acceptance.drives import GRAPHNAV, say
 from acceptance.rig import TOOLS, Rig
 from graphnav import Recording, Status
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 INPUTS = {"CAMERA": "camera.image", "ODOMETRY": "base.odometry", "TELEOP": "operator.twist", "STOP": "operator.stop"}
 SENT = (SECOND_WRITER, GARBAGE, WELL_FORMED)

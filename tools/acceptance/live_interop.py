@@ -22,7 +22,7 @@ from acceptance.live_override import override_line
 from acceptance.processes import await_file, end, graphnav_run, group_url, hear, python, running
 from acceptance.rig import Rig
 from graphnav import Recording, State
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -14,7 +14,7 @@ from acceptance.drives import say
 from acceptance.rig import Rig
 from graphnav import Recording
 from graphnav.arrays import Doubles
-from graphnav.record import LOG, Event
+from graphnav.core.record import LOG, Event
 
 DRIVE_S = 20.0
 ON_ITS_WAY_S = 0.02

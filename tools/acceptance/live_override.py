@@ -11,7 +11,7 @@ from acceptance.processes import drives_forward, hear
 from acceptance.rig import Rig
 from acceptance.teleop_keys import TeleopKeys
 from graphnav import GuardState, Recording, State, Stop, Twist
-from graphnav.codec import decode
+from graphnav.core.codec import decode
 
 OVERRIDE_MAX_AGE_S, GUARD_PERIOD_S = 0.3, 0.05
 SPEED_MPS, TURN_RADPS = 0.3, 0.8

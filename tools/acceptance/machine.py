@@ -17,7 +17,7 @@ import lcm
 
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
-from graphnav.bus import GROUP
+from graphnav.core.bus import GROUP
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 WANDER = "teach_downward"

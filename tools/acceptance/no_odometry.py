@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from acceptance.drives import Drives, drive_all, say
-from graphnav.ablation.results import wilson
+from graphnav.studies.ablation.results import wilson
 
 GRAPHS = ("suite/shake", "suite/odometry", "suite/light", "pillars", "corridor_ccw")
 DETECTORS = ("residual", "ica")

@@ -19,9 +19,9 @@ import numpy as np
 from acceptance.drives import GRAPHNAV
 from acceptance.processes import await_file, group_url
 from graphnav import Image, Twist
-from graphnav.bus import Bus
-from graphnav.codec import encode
-from graphnav.record import Recording
+from graphnav.core.bus import Bus
+from graphnav.core.codec import encode
+from graphnav.core.record import Recording
 
 _N_KILLS = 10
 _MAX_KILL_S = 3.0

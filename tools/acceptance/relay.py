@@ -31,7 +31,7 @@ import numpy as np
 from acceptance.corrupt import Corrupter
 from graphnav import Image, Odometry, Twist
 from graphnav.arrays import Doubles
-from graphnav.codec import decode, encode
+from graphnav.core.codec import decode, encode
 
 CAMERA, ODOMETRY_CHANNEL, COMMANDS = "CAMERA", "ODOMETRY", "BASE_CMD"
 STAMPS: dict[str, Callable[[int], int]] = {

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 from acceptance.drives import GRAPHNAV, say
 from graphnav import Recording
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, shipped_folder
-from graphnav.record import ABOUT, LOG
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, shipped_folder
+from graphnav.core.record import ABOUT, LOG
 
 DRIVES = (("corridor_ccw", 15.0), ("pillars", 15.0), ("approach", 10.0))
 """Graphs, and seconds of each."""

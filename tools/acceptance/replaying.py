@@ -17,11 +17,13 @@ from acceptance.drives import GRAPHNAV, say
 from acceptance.processes import end, group_url, running
 from acceptance.rig import Rig
 from graphnav import Recording, Twist
-from graphnav.catalog import Catalog
-from graphnav.graph import parse_override
-from graphnav.loginfo import survey
-from graphnav.record import LOG
-from graphnav.replay import ReplayOptions, ReplayResult, graph_to_replay, replay
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import parse_override
+from graphnav.core.record import LOG
+from graphnav.replay.comparison.result import ReplayResult
+from graphnav.replay.log.log_graph import graph_to_replay
+from graphnav.replay.replay import ReplayOptions, replay
+from graphnav.watch.loginfo import survey
 
 LIMIT = Path(__file__).with_name("turn_limit.py")
 LIMITED = (

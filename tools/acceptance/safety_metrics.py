@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from acceptance.rig import summary_of
 from graphnav import Recording, State
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 MAX_AGE_S = 0.5
 GUARD_PERIOD_S = 0.05

@@ -7,9 +7,9 @@ import time
 from types import TracebackType
 from typing import Self
 
-from graphnav.bus import Bus
-from graphnav.codec import encode
-from graphnav.messages import Twist
+from graphnav.core.bus import Bus
+from graphnav.core.codec import encode
+from graphnav.core.messages import Twist
 
 CHANNEL = "sane.twist"
 RATE_HZ = 20.0

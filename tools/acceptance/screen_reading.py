@@ -8,8 +8,8 @@ from PIL import Image
 from rich.ansi import AnsiDecoder
 from rich.cells import cell_len
 
-from graphnav.machine.console import Console
-from graphnav.spy.screen.screen_image import blank_screen, draw_cells
+from graphnav.core.machine.console import Console
+from graphnav.watch.spy.screen.screen_image import blank_screen, draw_cells
 
 _PICTURE_LETTERS = "▀.:-=+*#%@"
 _MIN_PICTURE_CELLS = 50

@@ -19,7 +19,7 @@ from acceptance.processes import await_file, end, group_url
 from acceptance.screen_reading import has_picture, screen_picture, shown_rates
 from acceptance.terminal import Terminal
 from graphnav import Recording
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 _FIRST_S, _SECOND_S = 40, 20
 """How long the two runs last."""

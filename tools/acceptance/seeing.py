@@ -12,9 +12,9 @@ import numpy as np
 from graphnav_score.plane import Plane
 
 from acceptance.drives import say
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.runner.recording.run_recorded import run_recorded
 
 Scores = dict[str, Plane]
 

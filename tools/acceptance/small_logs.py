@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.live import run_live
-from graphnav.record import LOG
-from graphnav.runner.recording.run_recorded import run_recorded
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.record import LOG
+from graphnav.core.runner.recording.run_recorded import run_recorded
+from graphnav.live.run import run_live
 
 STAGES = Path(__file__).with_name("tiny_stages.py")
 GRAPH = """\

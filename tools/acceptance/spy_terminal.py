@@ -12,7 +12,7 @@ from typing import Self
 
 from acceptance.drives import GRAPHNAV
 from acceptance.terminal import Terminal
-from graphnav.spy.screen.columns import GAP, layout
+from graphnav.watch.spy.screen.columns import GAP, layout
 
 HAS_TMUX = shutil.which("tmux") is not None
 

@@ -17,7 +17,7 @@ from acceptance.commands import CommandListener
 from acceptance.drives import GRAPHNAV, say
 from acceptance.rig import Rig, summary_of
 from graphnav import Recording, Status
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 NUMBER = 216
 MOVING_MPS = 0.05
@@ -50,7 +50,9 @@ class Suspensions:
         """Return the id of the motor process."""
         pids = Path(f"/proc/{self._run.pid}/task").glob("*/children")
         children = [int(pid) for file in pids for pid in file.read_text().split()]
-        return next(pid for pid in children if b"graphnav.motors.child" in Path(f"/proc/{pid}/cmdline").read_bytes())
+        return next(
+            pid for pid in children if b"graphnav.live.motors.child" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        )
 
     def suspend(self, rng: random.Random, *, look: bool) -> None:
         """Suspend it while the robot moves, for a random time; ``look``: also at what top says."""

@@ -17,7 +17,7 @@ from acceptance.commands import CommandListener
 from acceptance.drives import say
 from acceptance.rig import Rig
 from graphnav import GuardState, Recording
-from graphnav.record import LOG
+from graphnav.core.record import LOG
 
 NUMBER = 219
 TAKEOVERS = 20

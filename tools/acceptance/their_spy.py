@@ -15,7 +15,7 @@ from pathlib import Path
 from acceptance.display import display
 from acceptance.drives import GRAPHNAV
 from acceptance.processes import await_file, end
-from graphnav.machine.jdk import find_jdk
+from graphnav.core.machine.jdk import find_jdk
 
 _NEEDS = ("Xvfb", "xdotool", "import")
 _FIRST_ROW_PX = (60, 28)

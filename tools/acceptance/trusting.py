@@ -19,8 +19,8 @@ from typing import IO
 
 from acceptance.drives import GRAPHNAV, say
 from acceptance.processes import group_url
-from graphnav.cli import COMMANDS
-from graphnav.record import LOG, Recording
+from graphnav.core.cli import commands
+from graphnav.core.record import LOG, Recording
 
 PLUGIN = """
 import numpy as np
@@ -228,8 +228,8 @@ def trust_item(_seeds: Sequence[int], _jobs: int) -> bool:
                 n_fine, n_tried = n_fine + fine, n_tried + 1
                 _say(fine, f"{scene}: {' '.join(words)}", f"{effect}{', as the user says' if may else ''}; {status}")
     say(f"{n_fine} of {n_tried} command lines as they should be")
-    missing = set(COMMANDS) - tried
-    _say(not missing, "commands tried", f"{len(tried & set(COMMANDS))} of {len(COMMANDS)} {', '.join(missing)}")
+    missing = set(commands()) - tried
+    _say(not missing, "commands tried", f"{len(tried & set(commands()))} of {len(commands())} {', '.join(missing)}")
     return passed and not missing
 
 

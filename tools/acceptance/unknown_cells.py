@@ -12,7 +12,7 @@ import numpy as np
 from acceptance.drives import drive, drive_all, say
 from graphnav import Recording
 from graphnav.arrays import Doubles
-from graphnav.messages import Truth
+from graphnav.core.messages import Truth
 
 GRAPH = "white_wall"
 OFF = ("steer.unjudged=free", "guard.unjudged=ignore")

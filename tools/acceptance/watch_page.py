@@ -34,13 +34,13 @@ PROMISES = {
         "test_server.py::test_the_page_asks_for_nothing_elsewhere",
     ),
 }
-"""The promises, and the tests under tests/view that show them."""
+"""The promises, and the tests under tests/watch/view that show them."""
 
 
 def page_item(_seeds: Sequence[int], _jobs: int) -> bool:
     """Run the tests of all promises; print how many passed of each. One without Chromium is skipped, and so not met."""
     ends = _Ends()
-    tests = {f"tests/view/{test}" for tests in PROMISES.values() for test in tests}
+    tests = {f"tests/watch/view/{test}" for tests in PROMISES.values() for test in tests}
     with redirect_stdout(StringIO()):
         pytest.main(["-q", f"--rootdir={ROOT}", *(str(ROOT / test) for test in sorted(tests))], plugins=[ends])
     kept = [_is_kept(promise, tests, ends) for promise, tests in PROMISES.items()]
@@ -65,7 +65,7 @@ class _Ends:
 
 
 def _is_kept(promise: str, tests: Sequence[str], ends: _Ends) -> bool:
-    starts = tuple(f"tests/view/{test}" for test in tests)
+    starts = tuple(f"tests/watch/view/{test}" for test in tests)
     counts = Counter(outcome for name, outcome in ends.outcomes.items() if name.startswith(starts))
     good = set(counts) == {"passed"}
     text = ", ".join(f"{count} {outcome}" for outcome, count in sorted(counts.items())) or "no test ran"

@@ -74,7 +74,7 @@ class CommandProcess:
 def _serve(connection: Connection, folder: Path) -> None:
     """Run commands until the parent closes the connection."""
     from attacks import python_door  # noqa: PLC0415 - in the process that runs commands
-    from graphnav.cli import main  # noqa: PLC0415
+    from graphnav.core.cli import main  # noqa: PLC0415
 
     os.environ["COLUMNS"] = "100"
     os.chdir(folder)

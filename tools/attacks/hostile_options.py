@@ -79,6 +79,6 @@ def _word(drawn: random.Random) -> str:
 @cache
 def _options_of(command: str) -> list[argparse.Action]:
     parser = argparse.ArgumentParser()
-    importlib.import_module(f"graphnav.cli.{command.replace('-', '_')}").add_arguments(parser)
+    importlib.import_module(f"graphnav.core.cli.{command.replace('-', '_')}").add_arguments(parser)
     actions = parser._actions  # noqa: SLF001 - a parser does not tell them otherwise
     return [action for action in actions if action.option_strings and action.dest != "help"]

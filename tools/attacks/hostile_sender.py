@@ -7,8 +7,8 @@ import sys
 import time
 
 from attacks.spoil import spoiled_bytes
-from graphnav.bus import Bus
-from graphnav.errors import BusError
+from graphnav.core.bus import Bus
+from graphnav.core.errors import BusError
 
 _LISTEN_S = 2.0
 _RATE_HZ = 400

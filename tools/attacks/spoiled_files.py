@@ -13,7 +13,7 @@ from typing import NamedTuple
 from attacks.hostile_options import hostile_words
 from attacks.python_door import DOOR, DOORS
 from attacks.spoil import spoiled_bytes, spoiled_json, spoiled_text, spoiled_yaml
-from graphnav.cli import main
+from graphnav.core.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
 GRAPHS = ROOT / "graphs" / "graphnav_graphs"

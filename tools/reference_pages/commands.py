@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from graphnav.cli import COMMANDS, build_parser
+from graphnav.core.cli import build_parser, commands
 from reference_pages.markdown import bullets, code, page
 
 _INTRO = """\
@@ -26,7 +26,7 @@ since a signal is how a recording ends; so does `spy` at Ctrl-C."""
 
 def commands_page() -> str:
     """Return the page."""
-    return page("Commands", _INTRO, *map(_section, COMMANDS))
+    return page("Commands", _INTRO, *map(_section, commands()))
 
 
 def _section(name: str) -> str:

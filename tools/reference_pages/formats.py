@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from graphnav.ablation.study import STUDY
-from graphnav.catalog import Catalog
-from graphnav.spec import plugin_formats
+from graphnav.core.catalog import Catalog
+from graphnav.core.spec import plugin_formats
+from graphnav.studies.ablation.study import STUDY
 
 
 def format_page(name: str) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from graphnav.catalog import Catalog
-from graphnav.graph import graph_schema, load_graph, shipped_graphs
-from graphnav.spec import write_value
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import graph_schema, load_graph, shipped_graphs
+from graphnav.core.spec import write_value
 from reference_pages.markdown import bullets, code, page, sentence
 
 Schema = Mapping[str, Any]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphnav.catalog import Catalog
-from graphnav.codec import lcm_name, message_classes
-from graphnav.typeinfo import describe_type, nested_types
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import lcm_name, message_classes
+from graphnav.core.typeinfo import describe_type, nested_types
 from reference_pages.markdown import bullets, code, docstring, page, sentence
 
 _INTRO = """\

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 import graphnav
-import graphnav.hooks
+import graphnav.core.hooks
 from graphnav import Message
 from reference_pages.markdown import bullets, docstring, page
 
@@ -53,7 +53,7 @@ def python_page() -> str:
     rest = [name for name in dir(graphnav) if name not in {*grouped, *messages, "__version__"}]
     groups = {**_GROUPS, **({_FURTHER: tuple(rest)} if rest else {})}
     parts = ["\n\n".join([f"## {title}", *map(_section, names)]) for title, names in groups.items()]
-    hooks = (value for value in vars(graphnav.hooks).values() if hasattr(value, "graphnav_spec"))
+    hooks = (value for value in vars(graphnav.core.hooks).values() if hasattr(value, "graphnav_spec"))
     asked = "\n\n".join(["## Hooks", _HOOKS, *(_section_of(hook) for hook in hooks)])
     linked = bullets(f"[{name}](messages.md#{name.lower()})" for name in messages)
     return page("Python", _INTRO, *parts, asked, f"## Messages\n\n{linked}", _VERSION)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from graphnav.catalog import Catalog
-from graphnav.spec import write_value
-from graphnav.stage import describe, summary_of
+from graphnav.core.catalog import Catalog
+from graphnav.core.spec import write_value
+from graphnav.core.stage import describe, summary_of
 from reference_pages.markdown import bullets, code, docstring, page, sentence, titled_bullets
 
 CATALOG = Catalog()

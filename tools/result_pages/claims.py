@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import yaml  # noqa: TID251  # a list of this repository
 
-from graphnav.errors import UserError
+from graphnav.core.errors import UserError
 from result_pages.expression import evaluate, left_side, without_digits
 from result_pages.shipped_results import ShippedResults
 

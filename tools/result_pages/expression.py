@@ -8,7 +8,7 @@ import operator
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
-from graphnav.errors import UserError
+from graphnav.core.errors import UserError
 from result_pages.functions import FUNCTIONS
 from result_pages.shipped_results import NotMeasuredError, ShippedResults
 

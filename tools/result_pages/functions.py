@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from graphnav.ablation.results.comparison import Difference, as_family
-from graphnav.ablation.results.statistics import ALPHA, mean_interval
-from graphnav.ablation.results.study_values import difference as of_worlds
 from graphnav.arrays import Doubles
-from graphnav.errors import UserError
+from graphnav.core.errors import UserError
+from graphnav.studies.ablation.results.comparison import Difference, as_family
+from graphnav.studies.ablation.results.statistics import ALPHA, mean_interval
+from graphnav.studies.ablation.results.study_values import difference as of_worlds
 from result_pages.shipped_results import Cell, NotMeasuredError, ShippedResults
 
 SUCCESS = "drive.success"

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from graphnav.arrays import Doubles
-from graphnav.errors import UserError
+from graphnav.core.errors import UserError
 
 RESULTS = Path(__file__).resolve().parents[2] / "docs" / "results"
 """Each study has a folder of its own here."""

@@ -18,7 +18,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
-from graphnav.errors import UserError
+from graphnav.core.errors import UserError
 from result_pages.expression import MissingError, evaluate
 from result_pages.shipped_results import ShippedResults
 

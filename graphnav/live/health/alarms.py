@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from graphnav.bus import requested_buffer
-from graphnav.codec import fingerprint
-from graphnav.errors import shown_name
-from graphnav.large_messages.child import PACKET_BYTES
+from graphnav.core.bus import requested_buffer
+from graphnav.core.codec import fingerprint
+from graphnav.core.errors import shown_name
+from graphnav.core.large_messages.child import PACKET_BYTES
+from graphnav.core.machine.receive_buffer import larger_buffer, needed_buffer
+from graphnav.core.runner.recording.log_forecast import size_text
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.receiver import SCAN_S, Receiver, TypeScan
 from graphnav.live.live_schedule import LiveSchedule
-from graphnav.machine.receive_buffer import larger_buffer, needed_buffer
-from graphnav.runner.recording.log_forecast import size_text
 
 _MIN_OVERTAKEN = 3
 """Fewer overtaken messages per second are counted, but not reported."""

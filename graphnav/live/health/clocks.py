@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from itertools import combinations
 from typing import NamedTuple
 
-from graphnav.graph import Graph
+from graphnav.core.graph import Graph
+from graphnav.core.runner.join import MAX_UNMATCHED
 from graphnav.live.inputs.sender_monitor import SenderMonitor
-from graphnav.live.join import MAX_UNMATCHED
 from graphnav.live.live_schedule import LiveSchedule
 
 _OFFSET_S = 0.2

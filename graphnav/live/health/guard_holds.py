@@ -6,12 +6,12 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator
 
-from graphnav.bus import same_group
-from graphnav.errors import UserError
-from graphnav.graph import Graph, Node
-from graphnav.lcm_url import lcm_url
+from graphnav.core.bus import same_group
+from graphnav.core.errors import UserError
+from graphnav.core.graph import Graph, Node
+from graphnav.core.lcm_url import lcm_url
+from graphnav.core.messages import GuardState
 from graphnav.live.live_schedule import LiveSchedule
-from graphnav.messages import GuardState
 
 _STANDS_S = 2.0
 """A stop that lasts longer is told, and its end when it has been over for as long: neither is told of a flicker."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from graphnav.motors.counts import Counts
-from graphnav.motors.sender import MotorSender
+from graphnav.live.motors.counts import Counts
+from graphnav.live.motors.sender import MotorSender
 
 _FAILING_S = 1.0
 

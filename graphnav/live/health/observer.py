@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from graphnav.codec import encode
+from graphnav.core.codec import encode
+from graphnav.core.runner.status import STATUS
 from graphnav.live.health.alarms import Alarms
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.guard_holds import GuardHolds
@@ -12,7 +13,6 @@ from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.health.status import Losses, StatusReporter
 from graphnav.live.inputs.receiver import Receiver
 from graphnav.live.live_schedule import LiveSchedule
-from graphnav.runner.status import STATUS
 
 _MAX_TOLD = 100
 """Maximum number of notices in the summary."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from graphnav.core.messages import Status
+from graphnav.core.runner.status import Rates, memory_mb, stage_statuses
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.live_schedule import LiveSchedule
 from graphnav.live.outlet import Outlet
-from graphnav.messages import Status
-from graphnav.runner.status import Rates, memory_mb, stage_statuses
 
 _PERIOD_S = 1.0
 _RECENT_S = 3.0

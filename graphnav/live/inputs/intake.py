@@ -8,17 +8,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from graphnav.codec import DecodeError, codec_of, fields_of, fingerprint, lcm_name, type_of
-from graphnav.errors import failure_line
-from graphnav.graph import InputChannel
-from graphnav.interrupts import USER_ENDS
+from graphnav.core.codec import DecodeError, codec_of, fields_of, fingerprint, lcm_name, type_of
+from graphnav.core.errors import failure_line
+from graphnav.core.graph import InputChannel
+from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.messages import FieldError, Message
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.packet_sources import PacketSources
 from graphnav.live.inputs.receiver import Arrival, Mailbox
 from graphnav.live.inputs.sender_monitor import SenderMonitor, Verdict
-from graphnav.messages import FieldError, Message
-from graphnav.motors.channel import INT64_BYTES
-from graphnav.motors.offsets import offsets_of
+from graphnav.live.motors.channel import INT64_BYTES
+from graphnav.live.motors.offsets import offsets_of
 
 NEWEST = 8
 """Maximum number of pending messages if only the newest counts: images of 640x480 have 0.3 to 0.9 MB."""

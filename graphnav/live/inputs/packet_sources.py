@@ -17,8 +17,8 @@ from contextlib import suppress
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from graphnav.errors import shown_name
-from graphnav.machine.packet_filter import keep_channels
+from graphnav.core.errors import shown_name
+from graphnav.core.machine.packet_filter import keep_channels
 
 _POLL_S = 0.1
 _REST_S = 0.0005

@@ -8,11 +8,11 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from graphnav.codec import fingerprint
-from graphnav.errors import GraphnavError, UserError
-from graphnav.graph import InputChannel
+from graphnav.core.codec import fingerprint
+from graphnav.core.errors import GraphnavError, UserError
+from graphnav.core.graph import InputChannel
+from graphnav.core.record import Recording, find_log
 from graphnav.live.inputs.receiver import Mailbox
-from graphnav.record import Recording, find_log
 
 
 class Playback:

@@ -11,8 +11,8 @@ from contextlib import closing, suppress
 from functools import partial
 from typing import NamedTuple, Protocol
 
-from graphnav.bus import Bus
-from graphnav.errors import BusError
+from graphnav.core.bus import Bus
+from graphnav.core.errors import BusError
 
 _POLL_S = 0.05
 SCAN_S = 1.0

@@ -7,9 +7,9 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Collection, Sequence
 from typing import NamedTuple
 
-from graphnav.codec import DecodeError, codec_of
-from graphnav.graph import Channel
-from graphnav.record import SMALL_BYTES, Recording
+from graphnav.core.codec import DecodeError, codec_of
+from graphnav.core.graph import Channel
+from graphnav.core.record import SMALL_BYTES, Recording
 from graphnav.replay.comparison.field_differences import Tolerance, field_differences
 from graphnav.replay.comparison.result import ChannelResult, FieldResult, FirstDifference
 from graphnav.replay.log.contents import Contents, Logged

@@ -8,12 +8,12 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from graphnav.codec import DecodeError, decode
-from graphnav.errors import UserError
-from graphnav.graph import Channel, Input
-from graphnav.live.firing import FIRED, Used
-from graphnav.messages import Fired
-from graphnav.record import Recording
+from graphnav.core.codec import DecodeError, decode
+from graphnav.core.errors import UserError
+from graphnav.core.graph import Channel, Input
+from graphnav.core.messages import Fired
+from graphnav.core.record import Recording
+from graphnav.core.runner.firing import FIRED, Used
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.plan import Plan
 

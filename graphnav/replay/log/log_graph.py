@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from graphnav.catalog import Catalog
-from graphnav.codec import DecodeError, decode
-from graphnav.errors import Place, UserError, shown_path
-from graphnav.graph import Graph, Override, Target, graph_of, load_graph
-from graphnav.messages import About
-from graphnav.record import ABOUT, LOG, Recording
-from graphnav.run_folder import GRAPH
-from graphnav.runner.recording.kept_messages import complete_channels
-from graphnav.runner.status import STATUS
-from graphnav.spec import RecordOption, option_in, parse_yaml, read_bytes
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import DecodeError, decode
+from graphnav.core.errors import Place, UserError, shown_path
+from graphnav.core.graph import Graph, Override, Target, graph_of, load_graph
+from graphnav.core.messages import About
+from graphnav.core.record import ABOUT, LOG, Recording
+from graphnav.core.run_folder import GRAPH
+from graphnav.core.runner.recording.kept_messages import complete_channels
+from graphnav.core.runner.status import STATUS
+from graphnav.core.spec import RecordOption, option_in, parse_yaml, read_bytes
 
 _SEED = Target("run", key="seed")
 

@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from graphnav.graph import Channel, Graph
-from graphnav.record import SMALL_BYTES
+from graphnav.core.graph import Channel, Graph
+from graphnav.core.record import SMALL_BYTES
+from graphnav.core.stage import Port
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.plan import Plan
-from graphnav.stage import Port
 
 
 class MissingMessages(NamedTuple):

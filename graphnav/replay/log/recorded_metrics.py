@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from graphnav.machine.regular_file import read_json
-from graphnav.record import LOG
-from graphnav.runner.recording.summary import SUMMARY
-from graphnav.stage import former_names
+from graphnav.core.machine.regular_file import read_json
+from graphnav.core.record import LOG
+from graphnav.core.runner.recording.summary import SUMMARY
+from graphnav.core.stage import former_names
 
 
 def recorded_scores(log: Path) -> dict[str, dict[str, float]]:

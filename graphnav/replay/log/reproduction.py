@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from graphnav.graph import Channel, Graph, Node
+from graphnav.core.graph import Channel, Graph, Node
+from graphnav.core.runner.recording.kept_messages import reproducible_channels
+from graphnav.core.stage import Stage
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.log.log_graph import LogGraph
 from graphnav.replay.log.missing_messages import MissingMessages, numbered_gaps
 from graphnav.replay.log.schedule import ticks_of
-from graphnav.runner.recording.kept_messages import reproducible_channels
-from graphnav.stage import Stage
 
 
 class Heard(NamedTuple):

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from graphnav.graph import Channel, Graph
+from graphnav.core.graph import Channel, Graph
 from graphnav.replay.log.contents import Contents, Logged
 
 

@@ -6,20 +6,20 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from graphnav.codec import decode
-from graphnav.graph import Node
-from graphnav.live.firing import Taken, Used
-from graphnav.live.live_inbox import LiveInbox
-from graphnav.messages import Message
-from graphnav.record import Recording
+from graphnav.core.codec import decode
+from graphnav.core.graph import Node
+from graphnav.core.messages import Message
+from graphnav.core.record import Recording
+from graphnav.core.runner.engine import Engine, Sink
+from graphnav.core.runner.firing import Taken, Used
+from graphnav.core.runner.live_inbox import LiveInbox
+from graphnav.core.stage import Port, Stage
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.firings import Firing, LoggedFirings
 from graphnav.replay.plan import Plan
 from graphnav.replay.stepping.added_stages import AddedStages, Due
 from graphnav.replay.stepping.firing_log import FiringLog
 from graphnav.replay.stepping.recorded_inbox import Read, RecordedInbox
-from graphnav.runner.engine import Engine, Sink
-from graphnav.stage import Port, Stage
 
 
 class FiringReplay:

@@ -6,12 +6,12 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from graphnav.graph import Node
-from graphnav.live.firing import Taken, Used
-from graphnav.live.live_inbox import MAX_GATHERED
-from graphnav.messages import Message
+from graphnav.core.graph import Node
+from graphnav.core.messages import Message
+from graphnav.core.runner.firing import Taken, Used
+from graphnav.core.runner.live_inbox import MAX_GATHERED
+from graphnav.core.stage import Latest, Port, Since
 from graphnav.replay.log.firings import Firing
-from graphnav.stage import Latest, Port, Since
 
 _MAX_STAMPS = 256
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from graphnav.codec import decode
-from graphnav.graph import Channel
-from graphnav.messages import Message
-from graphnav.record import Recording
+from graphnav.core.codec import decode
+from graphnav.core.graph import Channel
+from graphnav.core.messages import Message
+from graphnav.core.record import Recording
+from graphnav.core.runner.engine import Engine
+from graphnav.core.runner.lockstep import fire
+from graphnav.core.runner.lockstep_inbox import LockstepInbox
+from graphnav.core.runner.unit import Unit
+from graphnav.core.stage import Stage
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.reproduction import Reproduction
-from graphnav.runner.engine import Engine
-from graphnav.runner.lockstep import fire
-from graphnav.runner.lockstep_inbox import LockstepInbox
-from graphnav.runner.unit import Unit
-from graphnav.stage import Stage
 
 
 class Made(NamedTuple):

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from graphnav.codec import decode
-from graphnav.errors import StageError
-from graphnav.record import Recording
+from graphnav.core.codec import decode
+from graphnav.core.errors import StageError
+from graphnav.core.record import Recording
+from graphnav.core.runner.engine import Engine, Sink
+from graphnav.core.runner.lockstep import command_channels, fire_complete
+from graphnav.core.runner.lockstep_inbox import LockstepInbox
+from graphnav.core.stage import Stage
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.schedule import Tick
 from graphnav.replay.plan import Plan
 from graphnav.replay.stepping.reproduced_sources import Made, ReproducedSources
-from graphnav.runner.engine import Engine, Sink
-from graphnav.runner.lockstep import command_channels, fire_complete
-from graphnav.runner.lockstep_inbox import LockstepInbox
-from graphnav.stage import Stage
 
 
 class Timetable(NamedTuple):

@@ -16,10 +16,10 @@ import threading
 import time
 from collections.abc import Callable
 
-from graphnav.codec import encode
-from graphnav.messages import Twist
-from graphnav.motors.frames import Kind, pack
-from graphnav.motors.sender import MotorChannel, MotorSender
+from graphnav.core.codec import encode
+from graphnav.core.messages import Twist
+from graphnav.live.motors.frames import Kind, pack
+from graphnav.live.motors.sender import MotorChannel, MotorSender
 
 N_COMMANDS = 5
 

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav.bus import Bus
-from graphnav.codec import decode, encode
-from graphnav.messages import Twist
-from graphnav.motors.sender import MotorChannel
+from graphnav.core.bus import Bus
+from graphnav.core.codec import decode, encode
+from graphnav.core.messages import Twist
+from graphnav.live.motors.sender import MotorChannel
 
 LIMIT_S = 30.0
 """How long anything may take: a loaded machine is slow, a failure should not hang."""

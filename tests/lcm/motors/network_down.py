@@ -6,10 +6,10 @@ import subprocess
 import time
 from collections.abc import Callable
 
-from graphnav.codec import encode
+from graphnav.core.codec import encode
+from graphnav.core.messages import Twist
 from graphnav.live.health.motor_traffic import MotorTraffic
-from graphnav.messages import Twist
-from graphnav.motors.sender import MotorChannel, MotorSender
+from graphnav.live.motors.sender import MotorChannel, MotorSender
 
 
 def ip(*words: str) -> None:

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.errors import BusError
-from graphnav.motors.sender import MotorChannel, MotorSender
+from graphnav.core.errors import BusError
+from graphnav.live.motors.sender import MotorChannel, MotorSender
 
 from .listening import Listener, go, is_gone, motor, wait_until
 
@@ -307,7 +307,7 @@ def test_it_starts_from_any_folder_and_without_much(group: str, name: str, tmp_p
     for module in ("socket", "json", "graphnav"):
         (tmp_path / f"{module}.py").write_text("raise SystemExit(9)\n")
     program = (
-        "import sys; from graphnav.motors.sender import MotorSender\n"
+        "import sys; from graphnav.live.motors.sender import MotorSender\n"
         f"sender = MotorSender({group!r}, [])\n"
         "maps = open(f'/proc/{sender.pid}/maps').read()\n"
         "assert 'numpy' not in maps and '_lcm' in maps, maps\n"
@@ -329,7 +329,7 @@ def unshare() -> str:
 
 
 def test_without_a_multicast_route_it_says_the_command(unshare: str) -> None:
-    program = "from graphnav.motors.sender import MotorSender; MotorSender('udpm://239.255.76.67:7667', [])"
+    program = "from graphnav.live.motors.sender import MotorSender; MotorSender('udpm://239.255.76.67:7667', [])"
     command = [unshare, "-rn", sys.executable, "-c", program]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert "BusError: no multicast route to 239.255.76.67" in done.stderr

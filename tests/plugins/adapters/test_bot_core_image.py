@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graphnav import Adapter, Image
-from graphnav.codec import codec_of, fingerprint
+from graphnav.core.codec import codec_of, fingerprint
 
 ADAPTER = BotCoreImage()
 CODEC = codec_of(BotCoreImage.lcm_class)

@@ -14,10 +14,10 @@ import pytest
 from graphnav_io.recording import Drive, Recording
 
 from graphnav import Finished, Odometry, ParamError, Stamp
-from graphnav.api.run import run
-from graphnav.codec import encode
-from graphnav.record import LogWriter
-from graphnav.record import Recording as Log
+from graphnav.core.api.run import run
+from graphnav.core.codec import encode
+from graphnav.core.record import LogWriter
+from graphnav.core.record import Recording as Log
 
 START_US = 1_700_000_000_000_000
 STAMPS = [0, 49_000, 101_000, 150_000, 320_000]

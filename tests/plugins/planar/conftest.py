@@ -12,8 +12,8 @@ from graphnav_planar.teach import Teach
 
 from graphnav import Flow, Motion, PlanarModel
 from graphnav.arrays import Doubles
-from graphnav.codec import encode
-from graphnav.record import LogWriter
+from graphnav.core.codec import encode
+from graphnav.core.record import LogWriter
 
 ROWS, COLS, STEP_PX = 30, 40, 4
 FOCAL_PX = 80 / math.tan(math.radians(35))

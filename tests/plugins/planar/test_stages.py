@@ -15,7 +15,7 @@ from graphnav_planar.motion import Motion
 from graphnav_planar.teach import Teach
 
 from graphnav import Flow, Image, ParamError, PlanarModel, Stage
-from graphnav.graph import shipped_folder
+from graphnav.core.graph import shipped_folder
 
 if TYPE_CHECKING:
     from tests.plugins.planar.conftest import Floor
@@ -148,8 +148,8 @@ def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_log_without_a_model_is_refused(tmp_path: Path) -> None:
-    from graphnav.codec import encode
-    from graphnav.record import LogWriter
+    from graphnav.core.codec import encode
+    from graphnav.core.record import LogWriter
 
     path = tmp_path / "images.lcmlog"
     writer = LogWriter(path)

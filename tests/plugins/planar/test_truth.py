@@ -13,7 +13,7 @@ from graphnav_world.world import Pymunk
 import graphnav
 from graphnav import Latest, Stamp, State, Twist
 from graphnav.arrays import Bools, Doubles
-from graphnav.graph.find import shipped_folder
+from graphnav.core.graph.find import shipped_folder
 from graphnav.testing import check_stage
 
 TWISTS = [(0.3, 0.0), (0.0, 1.5), (0.3, 1.0), (0.2, -1.5), (0.0, 0.0)]

@@ -9,7 +9,7 @@ import pytest
 from graphnav_plane.ica import Ica
 
 from graphnav import Components
-from graphnav.stage import tell_readers
+from graphnav.core.stage import tell_readers
 
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Scene, Scenes

@@ -17,7 +17,7 @@ from graphnav_plane.one_gain import OneGain
 from sklearn.neural_network import MLPClassifier
 
 from graphnav import ParamError, Planar, Stamp
-from graphnav.graph.find import shipped_folder
+from graphnav.core.graph.find import shipped_folder
 
 if TYPE_CHECKING:
     from tests.plugins.plane.conftest import Scenes

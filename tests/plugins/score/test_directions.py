@@ -7,8 +7,8 @@ from graphnav_score import graphnav_stages
 
 import graphnav
 from graphnav import UNDEFINED
-from graphnav.runner import Outcome
-from graphnav.stage import former_names, metrics_of
+from graphnav.core.runner import Outcome
+from graphnav.core.stage import former_names, metrics_of
 
 METRICS = [metric for score in graphnav_stages() for metric in metrics_of(score).values()]
 

@@ -11,9 +11,9 @@ from graphnav_steer.way import CELL_M, Way
 
 from graphnav import Latest, Map, State
 from graphnav.arrays import Doubles
-from graphnav.catalog import Catalog
-from graphnav.graph import load_graph, parse_override
-from graphnav.runner import Lockstep
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.runner import Lockstep
 
 RADIUS_M = 0.2
 

@@ -16,8 +16,8 @@ import yaml
 
 from graphnav import About, Flow, Image, Map, Message, Plane, Potential, State, Steering, Twist
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
-from graphnav.codec import encode
-from graphnav.record import ABOUT, LogWriter, Recording
+from graphnav.core.codec import encode
+from graphnav.core.record import ABOUT, LogWriter, Recording
 
 ROWS, COLS, FOCAL_PX, HEIGHT_M, TILT_RAD = 120, 160, 114.0, 1.0, math.radians(75)
 STEP_PX = 4

@@ -10,8 +10,8 @@ import pytest
 from graphnav_view.panels.separation_panels import mixture
 
 from graphnav import Components, Recording
-from graphnav.cli import main
-from graphnav.record import LOG
+from graphnav.core.cli import main
+from graphnav.core.record import LOG
 
 
 @pytest.fixture(scope="module")

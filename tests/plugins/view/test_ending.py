@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from graphnav_view import graphnav_draw_end, style
 
-from graphnav.record import Recording
+from graphnav.core.record import Recording
 
 Record = Callable[..., Recording]
 

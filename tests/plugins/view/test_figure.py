@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.cli import main
-from graphnav.record import Recording
+from graphnav.core.cli import main
+from graphnav.core.record import Recording
 
 Record = Callable[..., Recording]
 DiskOf = Callable[[int], AbstractContextManager[None]]

@@ -10,8 +10,8 @@ import cv2
 import pytest
 from graphnav_view.panels.frame_times import nearest
 
-from graphnav.cli import main
-from graphnav.record import LogWriter, Recording
+from graphnav.core.cli import main
+from graphnav.core.record import LogWriter, Recording
 
 Record = Callable[..., Recording]
 

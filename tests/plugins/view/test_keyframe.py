@@ -17,8 +17,8 @@ from graphnav_view.panels.keyframe import (
 from graphnav_view.signals import Signals
 
 from graphnav import About, Plane, State, Steering
-from graphnav.codec import encode
-from graphnav.record import ABOUT, LogWriter, Recording
+from graphnav.core.codec import encode
+from graphnav.core.record import ABOUT, LogWriter, Recording
 
 Record = Callable[..., Recording]
 

@@ -27,11 +27,11 @@ from graphnav import (
     Twist,
 )
 from graphnav.arrays import Bytes
-from graphnav.catalog import Catalog
-from graphnav.codec import DecodeError, decode, encode
-from graphnav.errors import DrawingError
-from graphnav.messages import Planar, Truth
-from graphnav.pictures import Pictures
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import DecodeError, decode, encode
+from graphnav.core.errors import DrawingError
+from graphnav.core.messages import Planar, Truth
+from graphnav.core.pictures import Pictures
 
 from .conftest import Drive, write_log
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from graphnav_view import graphnav_draw_paths, style
 
-from graphnav.record import Recording
+from graphnav.core.record import Recording
 
 from .conftest import Drive, write_log
 

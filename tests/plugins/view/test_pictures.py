@@ -13,7 +13,7 @@ from graphnav_view import graphnav_draw, graphnav_draw_end, graphnav_draw_frames
 from graphnav_view.signals import Signals
 from graphnav_view.track import track_of
 
-from graphnav.record import Recording
+from graphnav.core.record import Recording
 
 Record = Callable[..., Recording]
 

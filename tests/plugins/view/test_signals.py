@@ -7,7 +7,7 @@ import pytest
 from graphnav_view.signals import Signals
 
 from graphnav import Flow, Image, PlanarModel, Plane, Potential, Steering, Twist
-from graphnav.record import Recording
+from graphnav.core.record import Recording
 
 Record = Callable[..., Recording]
 

@@ -13,7 +13,7 @@ from graphnav_view.video.video_frames import caption, video_frames
 
 from graphnav import Flow, Image, Plane, Potential, State, Steering, Twist, UserError
 from graphnav.arrays import Bools, Bytes
-from graphnav.record import Recording
+from graphnav.core.record import Recording
 
 Record = Callable[..., Recording]
 

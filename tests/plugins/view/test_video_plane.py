@@ -8,7 +8,7 @@ import pytest
 from graphnav_view.signals import Signals
 
 from graphnav import Flow, Plane, Recording
-from graphnav.cli import main
+from graphnav.core.cli import main
 
 SHIFT_PX = (3.0, 2.0)
 FRAMES = 8

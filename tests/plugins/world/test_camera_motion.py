@@ -20,7 +20,7 @@ from graphnav_world.world import Pymunk, WorldOutputs
 
 from graphnav import Latest, Stamp, Twist
 from graphnav.arrays import Doubles
-from graphnav.codec import encode
+from graphnav.core.codec import encode
 
 REST = Camera()
 TWIST = Twist(v_mps=0.3, omega_radps=0.3)

@@ -11,7 +11,7 @@ from graphnav_world.robot import Robot
 from graphnav_world.world import Pymunk
 
 from graphnav import Latest, Stamp, Twist
-from graphnav.stage import params_of, ports_of
+from graphnav.core.stage import params_of, ports_of
 
 SMALL: dict[str, Any] = {"size": (16, 12), "truth": True}
 WITH: dict[str, dict[str, Any]] = {

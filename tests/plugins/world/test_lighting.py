@@ -22,7 +22,7 @@ from graphnav_world.world import Pymunk, WorldOutputs
 
 from graphnav import Latest, ParamError, Stamp, Twist
 from graphnav.arrays import Doubles
-from graphnav.stage import params_of
+from graphnav.core.stage import params_of
 
 CAMERA = Camera()
 ROBOT = Caster(0.2, 1.0)

@@ -10,9 +10,9 @@ import pytest
 from graphnav_world.world import Pymunk, WorldOutputs
 
 from graphnav import Finished, Latest, ParamError, Stamp, Twist, UserError
-from graphnav.codec import encode
-from graphnav.graph.find import shipped_folder
-from graphnav.stage import tell_readers
+from graphnav.core.codec import encode
+from graphnav.core.graph.find import shipped_folder
+from graphnav.core.stage import tell_readers
 
 TICK_US = 100_000
 

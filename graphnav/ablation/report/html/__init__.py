@@ -1,7 +1,0 @@
-"""The report of a study: one HTML file that needs no other."""
-
-from graphnav.ablation.report.html.page import write_report
-
-__all__ = [
-    "write_report",
-]

@@ -1,7 +1,0 @@
-"""``python -m graphnav.ablation.worker FD``: the process that makes runs."""
-
-import sys
-
-from graphnav.ablation.worker.serve_tasks import serve
-
-serve(int(sys.argv[1]))

@@ -1,6 +1,0 @@
-"""Tab completion of the command line."""
-
-from graphnav.completion.complete import complete, completed_command
-from graphnav.completion.shell_script import SHELLS, shell_script
-
-__all__ = ["SHELLS", "complete", "completed_command", "shell_script"]

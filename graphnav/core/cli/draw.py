@@ -1,0 +1,45 @@
+"""``graphnav draw``: draw a graph."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from graphnav.core.cli.options import add_graph_options, load
+from graphnav.core.cli.status import OK
+from graphnav.core.errors import UserError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_graph_options(parser)
+    parser.add_argument(
+        "--format",
+        choices=("text", "svg", "mermaid", "dot"),
+        default="text",
+        help="boxes in the terminal (default), or the input of another program",
+    )
+    parser.add_argument("-o", dest="file", type=Path, metavar="FILE", help="output file (default: the terminal)")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.api.draw import Drawing
+
+    _, graph = load(args, partial=True, makes_stages=False)
+    drawing = Drawing(graph)
+    if args.format == "text" and args.file is None:
+        from graphnav.core.machine.console import Console
+
+        Console(highlight=False, soft_wrap=True).print(drawing)
+        return OK
+    written: str = getattr(drawing, args.format)
+    if args.file is None:
+        sys.stdout.write(written)
+        return OK
+    try:
+        args.file.write_text(written, encoding="utf-8")
+    except OSError as error:
+        raise UserError.of(f"cannot write {args.file}: {error.strerror}", "choose another file with -o") from error
+    return OK

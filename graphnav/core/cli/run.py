@@ -1,0 +1,214 @@
+"""``graphnav run``: run a graph into a run folder."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import (
+    FailureReport,
+    add_graph_options,
+    add_portable_option,
+    add_run_options,
+    add_verbose_option,
+    load,
+    notices_of,
+    seconds,
+)
+from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
+from graphnav.core.errors import DrawingError, shown_name
+from graphnav.core.notices import print_notice
+
+if TYPE_CHECKING:
+    from graphnav.core.catalog import Catalog
+    from graphnav.core.graph import Graph
+    from graphnav.core.runner.recording.full_log import FullLog
+    from graphnav.core.runner.recording.run_recorded import LiveSink
+    from graphnav.core.runner.recording.summary import Summary
+    from graphnav.core.stage import Stage
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_graph_options(parser, runs=True)
+    add_run_options(parser)
+    add_portable_option(parser)
+    parser.add_argument(
+        "--pace",
+        type=float,
+        metavar="X",
+        help="speed relative to wall time; 1 to watch (default: as fast as possible)",
+    )
+    parser.add_argument(
+        "--live",
+        action="store_true",
+        help="run in wall time, on LCM channels of other programs; implied by a graph with inputs",
+    )
+    parser.add_argument(
+        "--url",
+        metavar="URL",
+        help="LCM URL of live inputs and outputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
+    )
+    parser.add_argument(
+        "-o", dest="folder", type=Path, metavar="DIR", help="run folder, new or empty (default: runs/…)"
+    )
+    parser.add_argument(
+        "--tap",
+        choices=("thin", "full", "none"),
+        default="thin",
+        help="copies for viewers on this machine: messages thinned to one packet, full messages, or none",
+    )
+    parser.add_argument("--no-tap", dest="tap", action="store_const", const="none", help="the same as --tap none")
+    parser.add_argument(
+        "--stall-s",
+        type=seconds,
+        metavar="S",
+        help="end the run if one call into a stage takes longer than S seconds of wall time (default: never)",
+    )
+    _add_record_option(parser)
+    parser.add_argument("--video", action="store_true", help="also draw video.mp4")
+    parser.add_argument(
+        "--no-pictures", action="store_true", help="do not draw pictures; 'graphnav figure' can draw them later"
+    )
+    parser.add_argument("--json", action="store_true", help="print the summary as JSON instead of text")
+    add_verbose_option(parser, "print every metric, what each stage did, and the traceback of a failure")
+
+
+def _add_record_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--record",
+        choices=("all", "replayable", "small"),
+        help="what the log keeps: all messages; replayable: those from which 'figure', 'export', 'spy', 'view' and "
+        "'replay' make the rest again; small: those below 4 kB (default: the graph's, else replayable; live small)",
+    )
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.api.execute import runs_live
+    from graphnav.core.api.open_tap import open_tap
+    from graphnav.core.lcm_url import tap_url
+    from graphnav.core.machine.console import Console
+    from graphnav.core.report.folder import make_run_folder, removed_if_empty
+    from graphnav.core.report.table import print_summary
+    from graphnav.core.runner.recording.full_log import FullLog
+    from graphnav.core.runner.recording.run_recorded import new_run_id
+    from graphnav.core.runner.recording.summary import SUMMARY
+
+    catalog, graph = load(args)
+    is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
+    live_notice = _live_notice(args, graph) if is_live else ""
+    stages = graph.make_stages()
+    console, run_id = Console(stderr=args.json, highlight=False, soft_wrap=True), new_run_id()
+    folder = make_run_folder(args.folder, graph.path.stem)
+    with FullLog() as full, removed_if_empty(folder):
+        for notice in (*notices_of(graph, verbose=args.verbose), *([live_notice] if is_live else [])):
+            console.print(notice, markup=False)
+        tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
+        if tap is not None:
+            console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
+        report, kept = FailureReport(args), None if args.no_pictures else full
+        summary = _run(graph, stages, folder, args, tap, run_id, kept, report, is_live=is_live)
+        if args.json:
+            print(json.dumps(summary.as_json() | {"folder": str(folder)}))
+        else:
+            print_summary(console, summary, graph.metrics, is_verbose=args.verbose)
+            if not args.verbose:
+                console.print(f"all metrics and the times of the stages: -v, or {SUMMARY}", style="dim", markup=False)
+        if summary.failure:
+            report.print(summary.failure)
+        files = _draw(args, catalog, summary, folder, full)
+    console.print(_listing(folder, files, console.width if console.is_terminal else None), markup=False)
+    return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
+
+
+def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
+    """Draw the pictures of a run; return the files of its folder as they are listed, logs with their sizes."""
+    from graphnav.core.record.find_log import parts_of
+    from graphnav.core.report.pictures import draw_all
+    from graphnav.core.run_folder import GRAPH, LOG
+    from graphnav.core.runner.recording.log_forecast import size_text
+    from graphnav.core.runner.recording.summary import SUMMARY
+
+    files, pictures = [LOG, GRAPH, SUMMARY], list[str]()
+    wants_pictures = bool(summary.frames) and not args.no_pictures
+    if summary.outcome == "stopped" and wants_pictures:
+        print(f"no pictures were drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
+    elif wants_pictures:
+        try:
+            with full.recording(folder / LOG, print_notice) as recording:
+                pictures = [path.name for path in draw_all(catalog, recording, folder, video=args.video)]
+        except DrawingError as error:
+            report = FailureReport(args)
+            report(error)
+            report.print(f"not drawn: {error}")
+            files += [path.name for path in parts_of(folder / LOG)]
+            pictures = sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)
+        except KeyboardInterrupt:
+            print(f"some pictures were not drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
+            raise
+    logs = [f"{path.name} ({size_text(path.stat().st_size)})" for path in parts_of(folder / LOG)]
+    return [*logs, GRAPH, SUMMARY, *pictures]
+
+
+def _listing(folder: Path, files: list[str], width: int | None) -> str:
+    """Return the folder with its files, on two lines where one is too long for ``width``."""
+    name = shown_name(str(folder))
+    line = f"{name}: {', '.join(files)}"
+    return line if width is None or len(line) <= width else f"{name}:\n  {', '.join(files)}"
+
+
+def _live_notice(args: argparse.Namespace, graph: Graph) -> str:
+    from graphnav.core.lcm_url import live_url
+
+    why = "--live" if args.live else f"inputs: {', '.join(graph.inputs)}"
+    return f"live on {live_url(graph, args.url)} ({why}); Ctrl-C ends it"
+
+
+def _run(
+    graph: Graph,
+    stages: dict[str, Stage],
+    folder: Path,
+    args: argparse.Namespace,
+    tap: LiveSink | None,
+    run_id: str,
+    full: FullLog | None,
+    report: FailureReport,
+    *,
+    is_live: bool,
+) -> Summary:
+    from graphnav.core.api.execute import execute
+    from graphnav.core.cli.progress import progress_bar
+    from graphnav.core.machine.console import Console
+    from graphnav.core.runner.recording.stall import StallLimit
+
+    bar = Console(stderr=True)
+
+    def tell_stalled(summary: Summary) -> None:
+        bar.show_cursor()
+        if args.json:
+            print(json.dumps(summary.as_json() | {"folder": str(folder)}))
+        print(f"{summary.failure}\n  the log up to there and summary.json are in {folder}", file=sys.stderr)
+        sys.stdout.flush()
+        sys.stderr.flush()
+
+    with progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick:
+        return execute(
+            graph,
+            stages,
+            folder,
+            is_live=is_live,
+            pace=args.pace,
+            url=args.url,
+            tap=tap,
+            run_id=run_id,
+            on_time=lambda run_s: on_tick(round(run_s * 1e6)),
+            on_failure=report,
+            notice=print_notice,
+            stall=None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled),
+            full=full,
+        )

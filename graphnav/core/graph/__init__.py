@@ -1,0 +1,40 @@
+"""Checked graphs: wiring, firing order, swaps."""
+
+from graphnav.core.graph.find import find_graph, shipped_folder, shipped_graphs, suggest_graph
+from graphnav.core.graph.graph import Graph
+from graphnav.core.graph.load import graph_of, load_graph, outline_of_file
+from graphnav.core.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Setting
+from graphnav.core.graph.overrides.option_text import parse_override, parse_overrides, parse_value
+from graphnav.core.graph.overrides.override import Override, without_replaced
+from graphnav.core.graph.overrides.target import Target
+from graphnav.core.graph.resolved import resolved_yaml
+from graphnav.core.graph.schema.graph_schema import graph_schema
+from graphnav.core.graph.wiring.stop_message import stop_fields
+from graphnav.core.spec import RunOptions
+
+__all__ = [
+    "Channel",
+    "Graph",
+    "Input",
+    "InputChannel",
+    "Node",
+    "OutputChannel",
+    "Override",
+    "RunOptions",
+    "Setting",
+    "Target",
+    "find_graph",
+    "graph_of",
+    "graph_schema",
+    "load_graph",
+    "outline_of_file",
+    "parse_override",
+    "parse_overrides",
+    "parse_value",
+    "resolved_yaml",
+    "shipped_folder",
+    "shipped_graphs",
+    "stop_fields",
+    "suggest_graph",
+    "without_replaced",
+]

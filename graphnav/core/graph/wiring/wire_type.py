@@ -1,0 +1,124 @@
+"""Find the LCM type that a graph names, and what turns it into a message of ours or back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from graphnav.core.adapter import Adapter, Adapters
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import codec_of, lcm_name, message_class_of, message_types, type_named
+from graphnav.core.errors import CatalogError, did_you_mean, one_line
+from graphnav.core.interrupts import USER_ENDS, third_party_code
+from graphnav.core.messages import Message
+
+
+@dataclass(frozen=True)
+class WireType:
+    """A type on the wire, and the message that graphs know it as."""
+
+    name: str
+    """``package.type_t``"""
+    lcm_class: type
+    message: type[Message]
+    adapter: Adapter | None
+    """None where the message class wraps the type itself."""
+
+
+def type_read(name: str, catalog: Catalog) -> WireType:
+    """Return the type that an input names: that of an adapter first, then any that is installed.
+
+    Raises
+    ------
+    CatalogError
+        There is none, its package cannot be imported, or nothing makes a message of it.
+    """
+    adapters = catalog.adapters()
+    if name in adapters.readers:
+        _check_truth(name, adapters.readers[name])
+        return _adapted(name, adapters.readers[name])
+    if name in adapters.writers and name not in message_types():
+        raise CatalogError(f"the adapter of '{name}' only writes it", "give it from_lcm")
+    lcm_class = _installed(name, adapters)
+    message = message_class_of(lcm_class)
+    if message is None:
+        short = lcm_class.__name__.removesuffix("_t").title().replace("_", "")
+        raise CatalogError(
+            f"'{name}' is installed, but no message wraps it and no adapter reads it",
+            f"write class {short}(Message, lcm={name}), or an Adapter whose type_name is '{name}'",
+        )
+    return WireType(name, lcm_class, message, None)
+
+
+def type_written(name: str | None, message: type[Message], catalog: Catalog) -> WireType:
+    """Return the type in which a message leaves; ``name``: None for the message's own.
+
+    Raises
+    ------
+    CatalogError
+        There is none, its package cannot be imported, or the message does not turn into it.
+    """
+    own = lcm_name(message.lcm_class)
+    if name is None:
+        return WireType(own, message.lcm_class, message, None)
+    adapters = catalog.adapters()
+    writers = adapters.writers
+    if name in writers and issubclass(message, writers[name].message):
+        return _adapted(name, writers[name])
+    if name == own:
+        return WireType(own, message.lcm_class, message, None)
+    if name in adapters.readers and name not in (*writers, *message_types()):
+        raise CatalogError(f"the adapter of '{name}' only reads it", "give it to_lcm")
+    if name not in writers and _installed(name, adapters) is message.lcm_class:
+        return WireType(name, message.lcm_class, message, None)
+    fitting = [own, *(other for other, adapter in writers.items() if issubclass(message, adapter.message))]
+    carried = writers[name].message if name in writers else message_types().get(name)
+    what = f", which carries a {carried.__name__}" if carried else ""
+    raise CatalogError(
+        f"a {message.__name__} cannot leave as '{name}'{what}",
+        f"write type: {' or '.join(fitting)}, or an Adapter from {message.__name__} to '{name}'",
+    )
+
+
+def _check_truth(name: str, adapter: Adapter) -> None:
+    """Raise CatalogError for an adapter that would turn true data into what every stage may read."""
+    own = message_class_of(adapter.lcm_class)
+    if own is not None and own.is_truth and not adapter.message.is_truth:
+        raise CatalogError(
+            f"the adapter of '{name}' makes {adapter.message.__name__}, which every stage may read, of true data",
+            f"give it a message whose is_truth is True, as {own.__name__} has",
+        )
+
+
+def _adapted(name: str, adapter: Adapter) -> WireType:
+    _compile(name, adapter.lcm_class)
+    return WireType(name, adapter.lcm_class, adapter.message, adapter)
+
+
+def _installed(name: str, adapters: Adapters) -> type:
+    """Return an LCM type that is installed; importing a third party's package may raise anything."""
+    try:
+        with third_party_code():
+            lcm_class = type_named(name)
+    except USER_ENDS:
+        raise
+    except BaseException as error:
+        raise CatalogError(
+            f"the package of '{name}' cannot be imported: {one_line(error)}", "fix the package"
+        ) from error
+    known = {*message_types(), *adapters.readers, *adapters.writers}
+    if lcm_class is None:
+        short = [other for other in sorted(known) if other.rpartition(".")[2] in (name, f"{name}_t")]
+        hint = f"did you mean {' or '.join(map(repr, short))}?" if short else did_you_mean(name, known)
+        hint = hint or "install the package that lcm-gen made of it, or name a type of an adapter"
+        raise CatalogError(f"there is no LCM type '{name}'", hint)
+    _compile(name, lcm_class)
+    return lcm_class
+
+
+def _compile(name: str, lcm_class: type) -> None:
+    try:
+        codec_of(lcm_class)
+    except USER_ENDS:
+        raise
+    except BaseException as error:
+        raise CatalogError(f"'{name}' is not what lcm-gen makes: {one_line(error)}", "run lcm-gen again") from error

@@ -1,0 +1,48 @@
+"""The shipped message types."""
+
+from graphnav.core.messages.local_map import LocalMap
+from graphnav.core.messages.message import ZERO_MEANS, FieldError, Message, snake_case
+from graphnav.core.messages.robot import (
+    Goal,
+    GuardState,
+    Map,
+    Motion,
+    Odometry,
+    OdometryCheck,
+    State,
+    Steering,
+    Stop,
+    Twist,
+)
+from graphnav.core.messages.run import About, Fired, Gap, Status
+from graphnav.core.messages.vision import Components, Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
+
+__all__ = [
+    "ZERO_MEANS",
+    "About",
+    "Components",
+    "FieldError",
+    "Fired",
+    "Flow",
+    "Gap",
+    "Goal",
+    "GuardState",
+    "Image",
+    "LocalMap",
+    "Map",
+    "Message",
+    "Motion",
+    "Odometry",
+    "OdometryCheck",
+    "Planar",
+    "PlanarModel",
+    "Plane",
+    "Potential",
+    "State",
+    "Status",
+    "Steering",
+    "Stop",
+    "Truth",
+    "Twist",
+    "snake_case",
+]

@@ -1,0 +1,29 @@
+"""Read and write LCM event logs, compatible with LCM's own tools."""
+
+from graphnav.core.record.channel_filter import ChannelFilter
+from graphnav.core.record.event import Damaged, Event, TruncatedEvent
+from graphnav.core.record.find_log import find_log
+from graphnav.core.record.recording import ABOUT, SMALL_BYTES, Recording
+from graphnav.core.record.sequence_gaps import SequenceGaps
+from graphnav.core.record.threaded_writer import GAP, LogGap, ThreadedLogWriter
+from graphnav.core.record.timeline import Timeline
+from graphnav.core.record.writer import LogWriter
+from graphnav.core.run_folder import LOG
+
+__all__ = [
+    "ABOUT",
+    "GAP",
+    "LOG",
+    "SMALL_BYTES",
+    "ChannelFilter",
+    "Damaged",
+    "Event",
+    "LogGap",
+    "LogWriter",
+    "Recording",
+    "SequenceGaps",
+    "ThreadedLogWriter",
+    "Timeline",
+    "TruncatedEvent",
+    "find_log",
+]

@@ -1,0 +1,121 @@
+"""The schedule of lockstep: simulated time, one tick a stamp, as fast as the machine allows or paced."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
+
+from graphnav.core.graph import Channel, Graph
+from graphnav.core.messages import Twist
+from graphnav.core.runner.engine import Engine, Outcome, Sink, Spans
+from graphnav.core.runner.lockstep_inbox import LockstepInbox
+from graphnav.core.runner.stage_calls import StageCalls
+from graphnav.core.runner.unit import Unit
+from graphnav.core.stage import Stage
+
+
+class Lockstep:
+    """Fires the stages of a graph tick by tick.
+
+    A source fires at stamps ``round(k * 1e6 / rate_hz)`` microseconds, or at recorded ones; sources that are due at one
+    stamp fire in the graph's order, then every other stage whose plain inputs are complete, in firing order. Joins that
+    are still incomplete at the end of the tick are dropped and counted.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        stages: Mapping[str, Stage],
+        sinks: Sequence[Sink],
+        spans: Spans | None = None,
+        calls: StageCalls | None = None,
+    ) -> None:
+        """Wire ``stages`` (by name) of ``graph``; every message also goes to the ``sinks``."""
+        spans = spans or Spans()
+        self.graph = graph
+        self.engine = Engine(
+            graph.nodes,
+            stages,
+            sinks,
+            LockstepInbox,
+            LockstepInbox.put,
+            commands=command_channels(graph),
+            spans=spans,
+            calls=calls,
+        )
+        self.tick: Callable[[], str | None] = spans.tick(self._tick)
+        """Fires everything that is due at the next stamp; returns the outcome if a source ended the run, and raises
+        StageError if a stage raised, or returned something invalid."""
+        self._order = [self.engine.units[node.name] for node in graph.order]
+        self._sources = [self.engine.units[node.name] for node in graph.sources]
+        self._due: list[tuple[int, int, int]] = []
+
+    @property
+    def next_utime(self) -> int:
+        """The stamp of the next tick, microseconds."""
+        return self._due[0][0]
+
+    def reset(self, seed: int) -> None:
+        """Reset the state of every stage from ``seed``, and the clock to 0.
+
+        Raises
+        ------
+        StageError
+            A stage cannot be reset.
+        """
+        self.engine.reset(seed)
+        self._due = [(0, place, 0) for place in range(len(self._sources))]
+        heapq.heapify(self._due)
+
+    def run(self, until_s: float | None = None, before_tick: Callable[[int], bool] = lambda _: True) -> str:
+        """Tick until a source ends the run, ``until_s`` has passed, or ``before_tick`` returns False.
+
+        ``before_tick`` gets the stamp of the next tick; it implements progress, pace and Ctrl-C.
+        """
+        until = None if until_s is None else round(until_s * 1e6)
+        while True:
+            if until is not None and self.next_utime > until:
+                return Outcome.TIMEOUT
+            if not before_tick(self.next_utime):
+                return Outcome.STOPPED
+            if outcome := self.tick():
+                return outcome
+
+    def _tick(self) -> str | None:
+        self.engine.utime = stamp = self._due[0][0]
+        outcome = None
+        while self._due[0][0] == stamp:
+            _, place, k = heapq.heappop(self._due)
+            source = self._sources[place]
+            outcome = fire(self.engine, source, stamp) or outcome
+            heapq.heappush(self._due, (source.due_us(k + 1), place, k + 1))
+        for unit in self._order:
+            fire_complete(self.engine, unit, stamp)
+        self.engine.ticks += 1
+        return outcome
+
+
+def fire(engine: Engine[LockstepInbox], unit: Unit[LockstepInbox], stamp: int) -> str | None:
+    """Step a stage with the messages of a stamp; return the outcome if a source ended the run."""
+    inputs = unit.inbox.take(stamp)
+    if unit.node.deadline_ms is None:
+        return engine.fire(unit, stamp, inputs, 0.0)
+    ready_s = perf_counter()
+    outcome = engine.fire(unit, stamp, inputs, 0.0)
+    unit.judge_deadline(ready_s, perf_counter())
+    return outcome
+
+
+def fire_complete(engine: Engine[LockstepInbox], unit: Unit[LockstepInbox], stamp: int) -> None:
+    """Fire a stage if its plain inputs are complete, else drop them."""
+    if unit.inbox.is_complete:
+        fire(engine, unit, stamp)
+    else:
+        unit.inbox.discard()
+
+
+def command_channels(graph: Graph) -> list[Channel]:
+    """Return the channels of commands that sources sample: what moves the robot of a world."""
+    found = (i.channel for node in graph.sources for i in node.inputs if i.channel is not None)
+    return list({channel.name: channel for channel in found if channel.message is Twist}.values())

@@ -1,0 +1,139 @@
+"""A run into a folder: the errors that it met, its end, and its summary, whatever ends it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from graphnav.core.errors import GraphnavError
+from graphnav.core.graph import Graph
+from graphnav.core.interrupts import CtrlC, working_folder_restored
+from graphnav.core.runner.engine import Engine, Outcome
+from graphnav.core.runner.interrupt import Interrupt
+from graphnav.core.runner.recording.failures import Failures
+from graphnav.core.runner.recording.progress_file import ProgressFile
+from graphnav.core.runner.recording.stall import StallLimit, StallWatch, stall_error
+from graphnav.core.runner.recording.summary import SUMMARY, Summary, scores_of, steps_of, versions
+from graphnav.core.runner.stage_calls import Call, StageCalls
+
+
+class Measured(NamedTuple):
+    """Values that a schedule adds to the `Summary` of its run."""
+
+    sim_s: float
+    wall_s: float
+    behind_s: float
+    tap_dropped: int
+    notices: tuple[str, ...] = ()
+    live: dict[str, Any] | None = None
+
+
+class RecordedRun:
+    """A run in progress, into a folder that exists.
+
+    ``close_log`` makes the log complete, ``measured`` returns what the summary tells of the run so far: both are also
+    called by another thread, where a call into a stage does not return.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        folder: Path,
+        run_id: str,
+        on_failure: Callable[[GraphnavError], None],
+        close_log: Callable[[], None],
+        measured: Callable[[], Measured],
+    ) -> None:
+        self._graph, self._folder, self._run_id = graph, folder, run_id
+        self._close_log, self._measured = close_log, measured
+        self.failures = Failures(on_failure)
+        self.outcome: str = Outcome.FAILED
+        self.engine: Engine[Any] | None = None
+        """The stages, once they are wired, so that there is something to summarise."""
+        self._scores: dict[str, dict[str, float]] = {}
+
+    def conduct(
+        self,
+        run: Callable[[Interrupt, StageCalls, ExitStack], None],
+        stall: StallLimit | None,
+        marked: Mapping[str, str],
+    ) -> Summary:
+        """Call ``run``, and write and return the summary.
+
+        ``run`` wires and runs the stages, notes the calls into them, and gives what has to be closed to the stack.
+        ``marked``: the stages whose calls are marked in the folder, and what they use.
+
+        Raises
+        ------
+        GraphnavError
+            The summary cannot be written.
+        CtrlC
+            The user asked for the end before the stages were wired, or after the run had reached its own.
+        """
+        with ProgressFile(self._folder, marked) as progress, Interrupt() as interrupt:
+            calls = StageCalls(progress.mark if marked else None)
+            try:
+                with working_folder_restored(), ExitStack() as cleanup:
+                    if stall is not None:
+                        cleanup.enter_context(self._stall_watch(calls, stall, progress))
+                    run(interrupt, calls, cleanup)
+                    interrupt.settle()
+            except CtrlC:  # while it ended, such as in a stage that does not close
+                if self.engine is None:
+                    raise
+                self.outcome = Outcome.STOPPED
+            summary = self._summary()
+            self._write(summary)
+            if interrupt.asked and summary.outcome not in (Outcome.STOPPED, Outcome.FAILED):
+                raise CtrlC  # nothing may follow
+        return summary
+
+    def read_scores(self) -> None:
+        """Read the metrics of the stages, before they are closed."""
+        if self.engine is not None and self.engine.is_ready:
+            self._scores = scores_of(self.engine.units, self.failures.noted)
+
+    def _stall_watch(self, calls: StageCalls, stall: StallLimit, progress: ProgressFile) -> StallWatch:
+        """Return what ends the process if a call into a stage does not return."""
+
+        def finish(call: Call) -> None:
+            """Write what the thread of the run cannot write any more."""
+            with self.failures.noted():
+                raise stall_error(self._graph, call, stall.seconds, self.engine.begin_us if self.engine else 0)
+            self.failures.close(self._close_log)
+            summary = self._summary()
+            self.failures.close(lambda: self._write(summary))
+            progress.remove()
+            stall.on_stall(summary)
+
+        return StallWatch(calls, stall.seconds, finish)
+
+    def _summary(self) -> Summary:
+        measured, engine = self._measured(), self.engine
+        return Summary(
+            outcome=str(Outcome.FAILED if self.failures else self.outcome),
+            failure=str(self.failures),
+            graph=self._graph.path.stem,
+            seed=self._graph.run.seed,
+            until_s=self._graph.run.until_s,
+            frames=engine.ticks if engine is not None else 0,
+            sim_s=measured.sim_s,
+            wall_s=round(measured.wall_s, 4),
+            stages=steps_of(engine.units) if engine is not None else {},
+            scores=self._scores,
+            notices=[*self._graph.notices, *measured.notices],
+            tap_dropped=measured.tap_dropped,
+            run_id=self._run_id,
+            versions=versions(),
+            behind_s=measured.behind_s,
+            cause=self.failures.cause,
+            live=measured.live,
+        )
+
+    def _write(self, summary: Summary) -> None:
+        try:
+            summary.write(self._folder / SUMMARY)
+        except GraphnavError as error:
+            raise GraphnavError(f"{error}; the log up to here is complete") from error

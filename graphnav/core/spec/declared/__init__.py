@@ -1,0 +1,22 @@
+"""Declared files: classes whose fields read, check and describe the keys of YAML files."""
+
+from graphnav.core.spec.declared.file_format import FileFormat
+from graphnav.core.spec.declared.json_schema import DIALECT, Schema, object_schema, param_schema, record_object
+from graphnav.core.spec.declared.plugin_formats import plugin_formats
+from graphnav.core.spec.declared.read_record import read_record
+from graphnav.core.spec.declared.record import Range, Record, key, keys_of
+
+__all__ = [
+    "DIALECT",
+    "FileFormat",
+    "Range",
+    "Record",
+    "Schema",
+    "key",
+    "keys_of",
+    "object_schema",
+    "param_schema",
+    "plugin_formats",
+    "read_record",
+    "record_object",
+]

@@ -1,0 +1,40 @@
+"""The authoring API of stages: parameters, ports and `step`."""
+
+from graphnav.core.stage.describe import describe, plain_data, summary_of
+from graphnav.core.stage.metric import MEASURED, UNDEFINED, Better, Metric, metrics_of
+from graphnav.core.stage.param import Param, param, params_of
+from graphnav.core.stage.port import Age, Latest, Port, Ports, Since, Stamp, Stamped, ports_of
+from graphnav.core.stage.reported_metrics import reported_metrics
+from graphnav.core.stage.stage import MAY_READ_TRUTH, Finished, Role, Source, Stage, Unnoticed, tell_readers
+from graphnav.core.stage.units import unit_of
+
+__all__ = [
+    "MAY_READ_TRUTH",
+    "MEASURED",
+    "UNDEFINED",
+    "Age",
+    "Better",
+    "Finished",
+    "Latest",
+    "Metric",
+    "Param",
+    "Port",
+    "Ports",
+    "Role",
+    "Since",
+    "Source",
+    "Stage",
+    "Stamp",
+    "Stamped",
+    "Unnoticed",
+    "describe",
+    "metrics_of",
+    "param",
+    "params_of",
+    "plain_data",
+    "ports_of",
+    "reported_metrics",
+    "summary_of",
+    "tell_readers",
+    "unit_of",
+]

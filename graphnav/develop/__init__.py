@@ -1,0 +1,12 @@
+"""For authors of stages and graphs: profile, doctor, completion, templates, types."""
+
+COMMANDS = {
+    "new-stage": "write a working one-file plugin and its test",
+    "schema": "print the JSON Schema of graphs, studies or maps, for completion in editors",
+    "profile": "measure where the time of a tick goes: by stage, by channel; a flame graph",
+    "types": "list the message types, or describe one; definitions, Java for lcm-spy",
+    "lcm-spy": "start lcm-spy of LCM with the types of graphnav",
+    "doctor": "check this machine, and what a graph needs of it; print the commands that fix problems",
+    "completion": "print the script that makes bash, zsh or fish complete commands and names with TAB",
+}
+"""Every command of this room and its help; ``commands/<command>.py`` has ``add_arguments`` and ``main``."""

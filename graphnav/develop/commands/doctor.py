@@ -1,0 +1,51 @@
+"""``graphnav doctor``: check this machine, and what a graph needs of it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import add_graph_options, load
+from graphnav.core.cli.status import FAILED, OK
+
+if TYPE_CHECKING:
+    from graphnav.develop.doctor import Finding
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_graph_options(parser, nargs="?")
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command; the exit status is 1 where something needed is lacking.
+
+    A graph of which plugins are left out cannot run, so that the sizes of its messages are not measured.
+    """
+    from graphnav.develop.doctor import run_checks
+
+    graph = None if args.graph is None else load(args, partial=True)[1]
+    findings = []
+    for finding in run_checks(None if graph is None or graph.left_out else graph):
+        findings.append(finding)
+        if not args.json:
+            _print(finding)
+    if args.json:
+        print(json.dumps([asdict(finding) for finding in findings], indent=2))
+    return FAILED if any(finding.needed and not finding.fine for finding in findings) else OK
+
+
+def _print(finding: Finding) -> None:
+    from rich.text import Text
+
+    from graphnav.core.errors import printable
+    from graphnav.core.machine.console import Console
+
+    mark, style = ("ok ", "green") if finding.fine else ("FIX", "red") if finding.needed else ("opt", "yellow")
+    console = Console(highlight=False, soft_wrap=True)
+    console.print(Text.assemble((mark, style), f"  {finding.subject}: {printable(finding.seen)}"))
+    if finding.fix:
+        console.print(Text(f"     {printable(finding.fix)}"))

@@ -1,0 +1,38 @@
+"""``graphnav lcm-spy``: start LCM's own spy with the types of graphnav, of plugins and of ``--types``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from graphnav.core.cli.options import add_types_option, catalog_of, load_types_of
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("url", nargs="?", metavar="URL", help="udpm://... (default: where runs are tapped)")
+    add_types_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command: build the jar of all types unless it is cached, then replace this process by lcm-spy."""
+    from graphnav.core.cli.type_names import listed_types
+    from graphnav.core.errors import UserError
+    from graphnav.core.lcm_url import lcm_url
+    from graphnav.core.machine.jdk import require_jdk
+    from graphnav.core.typeinfo import file_of_lcm, types_jar
+
+    url = lcm_url(("URL", args.url))
+    require_jdk()
+    catalog = catalog_of(args)
+    given = load_types_of(args, catalog)
+    if not os.environ.get("DISPLAY"):
+        what = "lcm-spy opens a window, but there is no display: DISPLAY is not set"
+        raise UserError.of(what, "run it in a graphical session, or watch in this terminal: graphnav spy")
+    types = listed_types(catalog) | given
+    jar = types_jar(types.values())
+    print(f"lcm-spy on {url}: {len(types)} types in {jar}", file=sys.stderr, flush=True)
+    classpath = os.pathsep.join(filter(None, (str(jar), os.environ.get("CLASSPATH"))))
+    lcm_spy = str(file_of_lcm("lcm-spy"))
+    os.execve(lcm_spy, [lcm_spy, "--lcm-url", url], {**os.environ, "CLASSPATH": classpath})  # noqa: S606, of the wheel

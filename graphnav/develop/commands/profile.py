@@ -1,0 +1,160 @@
+"""``graphnav profile``: where the time of a tick goes."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import (
+    FailureReport,
+    add_graph_options,
+    add_portable_option,
+    add_run_options,
+    add_verbose_option,
+    load,
+    notices_of,
+)
+from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
+from graphnav.core.errors import UserError
+from graphnav.core.notices import print_notice
+
+if TYPE_CHECKING:
+    from graphnav.core.graph import Graph
+    from graphnav.core.stage import Stage
+    from graphnav.develop.profiling import Profile
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_graph_options(parser)
+    add_run_options(parser)
+    add_portable_option(parser)
+    parser.add_argument(
+        "--tap",
+        choices=("thin", "full", "none"),
+        default="none",
+        help="also measure copies for viewers on this machine (default: none)",
+    )
+    parser.add_argument(
+        "--clock",
+        choices=("wall", "cpu"),
+        default="wall",
+        help="wall time (default), or processor time of the run's thread: for a machine that does other work",
+    )
+    parser.add_argument(
+        "--flame",
+        type=Path,
+        metavar="FILE.svg",
+        help="draw a flame graph; with pyinstrument installed also of the functions inside of the steps",
+    )
+    parser.add_argument(
+        "-o", dest="folder", type=Path, metavar="DIR", help="keep the run folder, new or empty (default: temporary)"
+    )
+    parser.add_argument(
+        "--sort", action="store_true", help="stages and channels that take longest first (default: in firing order)"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
+    add_verbose_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.machine.console import Console
+    from graphnav.develop.profiling import NothingMeasuredError, functions_missing, print_profile, refuse_live
+
+    _, graph = load(args)
+    refuse_live(graph)
+    if args.flame is not None:
+        _check_file(args.flame)
+    stages = graph.make_stages()
+    for notice in notices_of(graph, verbose=args.verbose):
+        print_notice(notice)
+    if args.flame is not None and (missing := functions_missing()):
+        print_notice(str(missing))
+    report = FailureReport(args)
+    try:
+        with _folder(args.folder, graph) as folder:
+            profile = _measure(args, graph, stages, folder, report)
+    except NothingMeasuredError as error:
+        report.print(str(error))
+        return INTERRUPTED if error.outcome == "stopped" else FAILED
+    if args.json:
+        print(json.dumps(profile.as_json()))
+    else:
+        print_profile(Console(highlight=False, soft_wrap=True), profile, slowest_first=args.sort)
+    if args.flame is not None:
+        _write(args.flame, profile)
+    if profile.failure:
+        report.print(profile.failure)
+    if profile.outcome == "stopped":
+        print("stopped; these are the times up to there", file=sys.stderr)
+    return {"failed": FAILED, "stopped": INTERRUPTED}.get(profile.outcome, OK)
+
+
+def _measure(
+    args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], folder: Path, report: FailureReport
+) -> Profile:
+    from graphnav.core.api.open_tap import open_tap
+    from graphnav.core.cli.progress import progress_bar
+    from graphnav.core.machine.console import Console
+    from graphnav.core.runner.recording.run_recorded import new_run_id
+    from graphnav.develop.profiling import functions_missing, measure
+
+    run_id = new_run_id()
+    with progress_bar(Console(stderr=True), graph.path.stem, graph.run.until_s) as on_tick:
+        return measure(
+            graph,
+            stages,
+            folder,
+            functions=args.flame is not None and not functions_missing(),
+            clock=args.clock,
+            tap=open_tap(args.tap, run_id, tell=print_notice),
+            run_id=run_id,
+            on_tick=on_tick,
+            on_failure=report,
+            notice=print_notice,
+        )
+
+
+@contextmanager
+def _folder(wanted: Path | None, graph: Graph) -> Iterator[Path]:
+    """Yield the folder of the run, by default a temporary one."""
+    from graphnav.core.report.folder import make_run_folder, removed_if_empty
+
+    if wanted is None:
+        with tempfile.TemporaryDirectory(prefix="graphnav-") as scratch:
+            yield Path(scratch)
+        return
+    folder = make_run_folder(wanted, graph.path.stem)
+    with removed_if_empty(folder):
+        yield folder
+
+
+def _check_file(path: Path) -> None:
+    """Refuse a file that cannot be written, before the run."""
+    folder = path.parent
+    if path.is_dir():
+        why = "it is a folder"
+    elif not folder.is_dir():
+        why = f"there is no folder {folder}"
+    elif not os.access(path if path.exists() else folder, os.W_OK):
+        why = "permission denied"
+    else:
+        return
+    raise UserError.of(f"--flame: cannot write {path}: {why}", "choose another file with --flame")
+
+
+def _write(path: Path, profile: Profile) -> None:
+    try:
+        path.write_text(profile.flame, encoding="utf-8")
+    except OSError as error:
+        what = f"--flame: cannot write {path}: {error.strerror}"
+        raise UserError.of(what, "choose another file with --flame") from error
+    print(f"wrote {path}", file=sys.stderr)

@@ -1,0 +1,43 @@
+"""``graphnav schema``: print the JSON Schema of a kind of file, for completion in editors."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+from graphnav.core.cli.options import add_plugin_option, catalog_of
+from graphnav.core.cli.status import OK
+from graphnav.core.errors import Place, UserError, did_you_mean
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument(
+        "--of",
+        default="graph",
+        metavar="FORMAT",
+        help="graph (default), study, map, or another format that a plugin reads",
+    )
+    add_plugin_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.graph import graph_schema
+    from graphnav.core.rooms import in_room
+    from graphnav.core.spec import FileFormat, plugin_formats
+
+    catalog = catalog_of(args)
+    if args.of == "graph":
+        schema = graph_schema(catalog)
+    else:
+        study: FileFormat[Any] = in_room("studies.ablation.study").STUDY
+        formats = {study.name: study, **plugin_formats(catalog)}
+        if args.of not in formats:
+            known = ("graph", *formats)
+            hint = did_you_mean(args.of, known) or f"formats are {', '.join(known)}"
+            raise UserError.of(f"there is no file format '{args.of}'", hint, Place("--of"))
+        schema = formats[args.of].schema()
+    print(json.dumps(schema, indent=2))
+    return OK

@@ -1,0 +1,108 @@
+"""``graphnav types``: list or describe LCM types; print definitions; write Java for lcm-spy."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from graphnav.core.cli.options import add_types_option, catalog_of, load_types_of
+from graphnav.core.cli.status import OK
+
+if TYPE_CHECKING:
+    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.machine.console import Console
+
+_EXAMPLES = """\
+examples:
+  graphnav types Flow                fields, units, shapes
+  graphnav types twist_t --lcm       the definition, for lcm-gen in any language
+  graphnav types --java types        a jar that lets lcm-spy show every field
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
+    parser.add_argument(
+        "name",
+        metavar="NAME",
+        nargs="?",
+        help="a type (Flow, flow_t, package.type_t of an installed package or of --types); default: all",
+    )
+    out = parser.add_mutually_exclusive_group()
+    out.add_argument("--json", action="store_true", help="print JSON instead of tables")
+    out.add_argument("--lcm", action="store_true", help="print the definition, and those of all nested types")
+    out.add_argument("--java", type=Path, metavar="DIR", help="write Java sources and a jar for lcm-spy into DIR")
+    add_types_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.cli.type_names import listed_types, type_called
+    from graphnav.core.machine.console import Console
+    from graphnav.core.typeinfo import definition_text, describe_type
+
+    catalog = catalog_of(args)
+    given = load_types_of(args, catalog)
+    found = {args.name: type_called(args.name, catalog, given)} if args.name else listed_types(catalog) | given
+    console = Console(highlight=False)
+    if args.lcm:
+        print(definition_text(found.values()), end="")
+    elif args.java is not None:
+        _write_java(list(found.values()), args.java)
+    elif args.json:
+        described = [describe_type(lcm_class) for lcm_class in found.values()]
+        print(json.dumps(described[0] if args.name else described, indent=2))
+    elif args.name:
+        _print_one(console, describe_type(found[args.name]))
+    else:
+        console.print(_all(found))
+        console.print("'graphnav types NAME' describes one.", markup=False)
+    return OK
+
+
+def _all(found: dict[str, type]) -> TextTable:
+    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.codec import message_class_of
+    from graphnav.core.typeinfo import summary_of_type
+
+    table = TextTable("message", "LCM type", "description")
+    for name, lcm_class in found.items():
+        message = message_class_of(lcm_class)
+        table.add_text(message.__name__ if message else "", name, summary_of_type(lcm_class))
+    return table
+
+
+def _print_one(console: Console, described: dict[str, Any]) -> None:
+    from graphnav.core.cli.tables import TextTable
+
+    title = f"{described['message']}, {described['type']}" if described["message"] else described["type"]
+    console.print(f"{title}, fingerprint {described['fingerprint']}", style="bold", markup=False)
+    if described["doc"]:
+        console.print()
+        console.print(described["doc"], markup=False)
+    table = TextTable("field", "type", "unit", "description")
+    for field in described["fields"]:
+        dims = "".join(f"[{dim}]" for dim in field["dims"])
+        kind = field["type"].removeprefix(f"{described['type'].rpartition('.')[0]}.")
+        table.add_text(field["name"], kind + dims, field["unit"], field["doc"])
+    console.print()
+    console.print(table)
+    for name, value in described["constants"].items():
+        console.print(f"{name} = {value}", markup=False)
+    for name in described["nested"]:
+        console.print(f"'graphnav types {name}' describes it.", markup=False)
+
+
+def _write_java(lcm_classes: list[type], folder: Path) -> None:
+    from graphnav.core.typeinfo import write_java
+
+    made = write_java(lcm_classes, folder)
+    print(f"{len(made.sources)} sources below {folder}")
+    if not made.is_built:
+        print("javac is not installed: install a JDK, or run on a machine that has one")
+        print("\n".join(f"  {command}" for command in made.commands))
+    print(f"then CLASSPATH={made.jar.resolve()} lcm-spy shows these types")

@@ -1,0 +1,89 @@
+"""``graphnav.profile``: measure where the time of a tick goes, from Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import get_args
+
+from graphnav.core.api.arguments import PathLike, wrong_type
+from graphnav.core.api.load import loaded, with_run_options
+from graphnav.core.api.notices import tell
+from graphnav.core.api.one_thread import one_thread
+from graphnav.core.api.open_tap import TapMode, check_tap, open_tap
+from graphnav.core.api.parameters import documented
+from graphnav.core.api.result_folder import new_folder
+from graphnav.core.catalog import Catalog
+from graphnav.core.errors import UserError
+from graphnav.core.graph import Graph
+from graphnav.core.runner import Outcome
+from graphnav.core.runner.recording.run_recorded import new_run_id
+from graphnav.core.trust import Trust
+from graphnav.develop.profiling import NothingMeasuredError, Profile, functions_missing, measure, refuse_live
+from graphnav.develop.profiling.profile import Clock
+
+
+@documented
+def profile(
+    graph: PathLike | Graph,
+    *,
+    set: Mapping[str, object] | None = None,  # noqa: A002 - as --set
+    seed: int | None = None,
+    until_s: float | None = None,
+    folder: PathLike | None = None,
+    plugins: Sequence[PathLike] = (),
+    tap: TapMode = "none",
+    clock: Clock = "wall",
+    functions: bool = False,
+    trust: bool = False,
+) -> Profile:
+    """Run a graph in lockstep, with its log, and return where the time of its ticks went.
+
+    ``print(profile)`` shows tables, a notebook the flame graph. A run that fails does not raise: `Profile.failure`
+    says why, and the times are those of the ticks before.
+
+    Raises
+    ------
+    UserError
+        All errors of the graph and the arguments, or the graph has live inputs; nothing has run then.
+    GraphnavError
+        The run ended before a tick was measured.
+    KeyboardInterrupt
+        Ctrl-C, or a notebook's stop button, ended the run.
+    """
+    check_tap(tap)
+    if clock not in get_args(Clock):
+        raise wrong_type("clock", clock, '"wall" or "cpu"', 'write clock="cpu" on a machine that does other work')
+    checked = with_run_options(
+        loaded(graph, set, plugins, Catalog(Trust(runs_all=trust))), {"seed": seed, "until_s": until_s}
+    )
+    refuse_live(checked)
+    if functions and (missing := functions_missing()):
+        raise UserError(missing)
+    found = _measured(checked, folder, tap, clock, functions=functions)
+    if found.outcome == Outcome.STOPPED:
+        raise KeyboardInterrupt
+    if found.failure:
+        tell(f"the run failed: {found.failure}")
+    return found
+
+
+def _measured(graph: Graph, folder: PathLike | None, tap: TapMode, clock: Clock, *, functions: bool) -> Profile:
+    stages = graph.make_stages()
+    kept = new_folder(folder)
+    run_id = new_run_id()
+    try:
+        with one_thread():
+            return measure(
+                graph,
+                stages,
+                kept.path,
+                functions=functions,
+                clock=clock,
+                tap=open_tap(tap, run_id, tell=tell),
+                run_id=run_id,
+                notice=tell,
+            )
+    except NothingMeasuredError as error:
+        if error.outcome == Outcome.STOPPED:
+            raise KeyboardInterrupt from error
+        raise

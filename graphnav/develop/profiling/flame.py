@@ -1,0 +1,103 @@
+"""Draw a profile as a flame graph: the tick on top, below each box what ran within it, widths are times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from graphnav.core.errors import printable
+from graphnav.core.render.html_templates import rendered
+from graphnav.develop.profiling.text import CLOCKS
+
+if TYPE_CHECKING:
+    from graphnav.develop.profiling.profile import Node, Profile
+
+_MIN_WIDTH_PX, _MAX_WIDTH_PX = 1200.0, 12_000.0
+_STAGE_PX = 45.0
+"""The mean width of a stage: a graph with many gets a wider picture, so that names can be read."""
+_ROW_PX = 19.0
+_TOP_PX = 62.0
+_CHARACTER_PX = 6.6
+_PADDING_PX = 4.0
+_MIN_BOX_PX = 0.15
+"""Narrower boxes cannot be seen."""
+
+COLOURS = {
+    "tick": "#d7dce2",
+    "stage": "#f4c27a",
+    "step": "#ee8f52",
+    "function": "#f7d9a8",
+    "check": "#b9c0c8",
+    "encode": "#8ec6e8",
+    "deliver": "#6fb7b0",
+    "decode": "#b3a2dd",
+    "log": "#9ccb86",
+    "tap": "#c9cf78",
+}
+"""By kind of box."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle of the picture with its label, cut to fit, and its tooltip; pixels."""
+
+    x: float
+    y: float
+    width: float
+    colour: str
+    label: str
+    tooltip: str
+
+
+def flame_svg(profile: Profile) -> str:
+    """Return an SVG document; every name in it is escaped."""
+    width = min(max(_MIN_WIDTH_PX, _STAGE_PX * len(profile.tree.children)), _MAX_WIDTH_PX)
+    scale = width / profile.tree.ms if profile.tree.ms else 0.0
+    boxes = list(_boxes(profile.tree, profile.tree.ms, 0.0, _TOP_PX, scale))
+    kinds = {node.kind for node in profile.tree.walk()}
+    picture = rendered(
+        "graphnav.develop.profiling",
+        "flame.svg",
+        title=f"{printable(profile.graph)}: a tick takes {profile.tick_ms:.3f} ms, {profile.ticks_per_s:.0f} ticks/s",
+        ideal=f"the steps alone take {profile.ideal_ms:.3f} ms, {_share(profile.ideal_ms, profile.tick_ms)} of it",
+        measured=f"means of {profile.ticks['timed']} ticks, seed {profile.seed}, {CLOCKS[profile.clock]}",
+        width=width,
+        shrinks=width == _MIN_WIDTH_PX,
+        height=max(box.y for box in boxes) + _ROW_PX + 8,
+        row=_ROW_PX - 1,
+        boxes=boxes,
+        legend=[(22 + 84 * place, kind, COLOURS[kind]) for place, kind in enumerate(k for k in COLOURS if k in kinds)],
+    )
+    return picture + "\n"
+
+
+def _boxes(node: Node, total_ms: float, x: float, y: float, scale: float) -> Iterator[Box]:
+    """Yield the boxes of a node and of all within it, from left to right; its own time is the gap at the right."""
+    width = node.ms * scale
+    if width < _MIN_BOX_PX and total_ms != node.ms:
+        return
+    label = printable(node.label)
+    tooltip = f"{label}: {_time(node.ms)} of a tick, {_share(node.ms, total_ms)}"
+    if node.note:
+        tooltip += f"\n{printable(node.note)}"
+    yield Box(x, y, width, COLOURS[node.kind], _cut(label, width), tooltip)
+    for child in node.children:
+        yield from _boxes(child, total_ms, x, y + _ROW_PX, scale)
+        x += child.ms * scale
+
+
+def _cut(label: str, width: float) -> str:
+    """Return as much of a label as fits; empty if that is less than two characters."""
+    n_characters = int((width - 2 * _PADDING_PX) / _CHARACTER_PX)
+    if len(label) <= n_characters:
+        return label
+    return f"{label[: n_characters - 1]}…" if n_characters > 2 else ""
+
+
+def _time(ms: float) -> str:
+    return f"{ms:.3f} ms" if ms >= 0.1 else f"{ms * 1e3:.1f} µs"
+
+
+def _share(ms: float, total_ms: float) -> str:
+    return f"{ms / total_ms:.1%}" if total_ms else "0 %"

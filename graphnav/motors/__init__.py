@@ -1,5 +1,0 @@
-"""Motor channels, sent by a small process that outlives the run to stop the robot.
-
-`graphnav.motors.sender` is the run's side, `graphnav.motors.offsets` describes a motor channel of an LCM type.
-The package itself imports nothing, so that the sending process starts fast.
-"""

@@ -1,7 +1,0 @@
-"""Pictures of single messages, drawn by plugins."""
-
-from graphnav.pictures.context import PictureContext, no_message, no_path
-from graphnav.pictures.pictures import DRAWING_FAMILY, Pictures, drawing
-from graphnav.pictures.video import VideoFrames
-
-__all__ = ["DRAWING_FAMILY", "PictureContext", "Pictures", "VideoFrames", "drawing", "no_message", "no_path"]

@@ -1,7 +1,0 @@
-"""Record the messages of a multicast group to a log, and count losses."""
-
-from graphnav.recorder.channel_statistics import ChannelStatistics, ReceiveStatistics
-from graphnav.recorder.receive_buffer import buffer_notice
-from graphnav.recorder.recorder import Recorder
-
-__all__ = ["ChannelStatistics", "ReceiveStatistics", "Recorder", "buffer_notice"]

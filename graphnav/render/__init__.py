@@ -1,8 +1,0 @@
-"""Drawings of graphs: terminal, SVG, Mermaid, Graphviz."""
-
-from graphnav.render.dot import dot_of
-from graphnav.render.mermaid import mermaid_of
-from graphnav.render.svg import svg_of
-from graphnav.render.text import TextDrawing, text_of
-
-__all__ = ["TextDrawing", "dot_of", "mermaid_of", "svg_of", "text_of"]

@@ -1,0 +1,147 @@
+"""``graphnav replay``: step the stages of a recorded run again and compare."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import (
+    FailureReport,
+    add_plugin_option,
+    add_portable_option,
+    add_set_option,
+    add_trust_option,
+    add_verbose_option,
+    catalog_of,
+    notices_of,
+    overrides_of,
+)
+from graphnav.core.cli.status import FAILED, OK
+from graphnav.core.errors import LogError, UserError
+
+if TYPE_CHECKING:
+    from graphnav.core.errors import GraphnavError
+    from graphnav.replay.comparison.field_differences import Tolerance
+    from graphnav.replay.log.log_graph import LogGraph
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("log", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
+    add_portable_option(parser)
+    parser.add_argument(
+        "--graph", metavar="FILE", help="step this graph, with the seed of the log (default: the graph of the log)"
+    )
+    add_set_option(parser)
+    add_plugin_option(parser)
+    add_trust_option(parser)
+    parser.add_argument(
+        "--play",
+        dest="play",
+        action="append",
+        default=[],
+        type=_words,
+        metavar="CHANNEL,...",
+        help="also play these channels from the log; the stages that write them do not step",
+    )
+    parser.add_argument(
+        "--from",
+        dest="from_s",
+        type=_at,
+        default=0.0,
+        metavar="S",
+        help="start of the comparison (12.3s), after warming up from the start of the log",
+    )
+    parser.add_argument("--cold", action="store_true", help="start at --from with fresh state, without warming up")
+    parser.add_argument(
+        "--tolerance",
+        type=_tolerance,
+        metavar="ABS[,REL]",
+        help="treat numbers as equal up to ABS + REL * |recorded| (default: 0, exact)",
+    )
+    parser.add_argument("-o", dest="out", type=Path, metavar="FILE", help="also write the log of the replay")
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
+    add_verbose_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command; the exit status is 1 if anything differs."""
+    from graphnav.core.cli.opened_log import damage_told, opened
+    from graphnav.core.cli.progress import progress_bar
+    from graphnav.core.machine.console import Console
+    from graphnav.core.record import Recording, find_log
+    from graphnav.replay.comparison.field_differences import Tolerance
+    from graphnav.replay.comparison.result_text import as_text
+    from graphnav.replay.log.log_graph import graph_to_replay
+    from graphnav.replay.replay import ReplayOptions, replay
+
+    report = FailureReport(args)
+
+    def show_failure(error: GraphnavError) -> None:
+        report(error)
+        report.print(str(error))
+
+    if args.cold and not args.from_s:
+        raise UserError.of("--cold starts at --from with fresh state, but there is no --from", "add --from S")
+    log = find_log(args.log)
+    catalog = catalog_of(args)
+    play = [word for words in args.play for word in words]
+    try:
+        recording = opened(log, catalog, args.plugins) if play else Recording(log)
+    except LogError as error:
+        raise UserError.of(str(error), "name a run folder, or a log") from error
+    with recording, damage_told(recording):
+        made = graph_to_replay(recording, catalog, graph=args.graph, overrides=overrides_of(args), plugins=args.plugins)
+        _print_notices(made, play, verbose=args.verbose)
+        options = ReplayOptions(play, args.from_s, args.cold, args.tolerance or Tolerance())
+        with progress_bar(Console(stderr=True), log.parent.name or log.name, None) as on_tick:
+            result = replay(recording, made, options, out=args.out, on_tick=on_tick, on_failure=show_failure)
+    for line in result.lost:
+        print(f"{result.log}: {line}", file=sys.stderr)
+    if args.json:
+        print(json.dumps(result.as_json()))
+    else:
+        console = Console(highlight=False, soft_wrap=True)
+        console.print(as_text(result, console), soft_wrap=True)
+    return OK if result.is_equal else FAILED
+
+
+def _print_notices(made: LogGraph, play: list[str], *, verbose: bool) -> None:
+    from graphnav.core.notices import print_notice
+    from graphnav.replay.plan import make_plan
+    from graphnav.replay.plan import notices_of as notices_of_plan
+
+    for notice in (*notices_of(made.graph, verbose=verbose), *notices_of_plan(make_plan(made.graph, play))):
+        print_notice(notice)
+
+
+def _words(text: str) -> list[str]:
+    words = [word.strip() for word in text.split(",")]
+    if all(words):
+        return words
+    raise argparse.ArgumentTypeError(f"'{text}' does not list channels: write flow.flow,planar.planar")
+
+
+def _at(text: str) -> float:
+    try:
+        if 0 <= (value := float(text.removesuffix("s"))) <= 1e9:
+            return value
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a time in seconds: write 12.3s")
+
+
+def _tolerance(text: str) -> Tolerance:
+    from graphnav.replay.comparison.field_differences import Tolerance
+
+    try:
+        numbers = [float(part) for part in text.split(",")]
+        if len(numbers) <= 2 and all(0 <= number < math.inf for number in numbers):
+            return Tolerance(*numbers)
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a tolerance: write 1e-6, or 1e-6,1e-3 for absolute,relative")

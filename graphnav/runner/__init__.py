@@ -1,6 +1,0 @@
-"""The engine that runs graphs, and the schedule of lockstep."""
-
-from graphnav.runner.engine import Outcome, seed_of
-from graphnav.runner.lockstep import Lockstep
-
-__all__ = ["Lockstep", "Outcome", "seed_of"]

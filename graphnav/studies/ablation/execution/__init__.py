@@ -1,0 +1,26 @@
+"""Make the runs of a plan in parallel and keep them in the folder of the study."""
+
+from graphnav.studies.ablation.execution.execute_jobs import execute, pending_jobs
+from graphnav.studies.ablation.execution.failure_pictures import draw_failures, pending_drawings
+from graphnav.studies.ablation.execution.local_processes import local_workers
+from graphnav.studies.ablation.execution.locked_folder import LockedFolder
+from graphnav.studies.ablation.execution.study_folder import StudyFolder, read_plan
+from graphnav.studies.ablation.execution.task_factory import TaskFactory
+from graphnav.studies.ablation.execution.time_estimate import TimeEstimate, estimate_time
+from graphnav.studies.ablation.execution.workers import Workers, cluster_workers
+
+__all__ = [
+    "LockedFolder",
+    "StudyFolder",
+    "TaskFactory",
+    "TimeEstimate",
+    "Workers",
+    "cluster_workers",
+    "draw_failures",
+    "estimate_time",
+    "execute",
+    "local_workers",
+    "pending_drawings",
+    "pending_jobs",
+    "read_plan",
+]

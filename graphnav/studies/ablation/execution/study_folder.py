@@ -1,0 +1,114 @@
+"""The folder of a study: locked, and every run in it complete."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from graphnav.core.errors import GraphnavError, UserError
+from graphnav.core.runner.recording.saved_graph import copies_of
+from graphnav.core.runner.recording.summary import SUMMARY
+from graphnav.core.trust import read_plugin, remember, remember_written, request_of_plan
+from graphnav.studies.ablation.execution.locked_folder import LockedFolder
+from graphnav.studies.ablation.plan import RUNS, Plan, check_compatible
+
+PLAN = "plan.json"
+
+
+class StudyFolder(LockedFolder):
+    """The folder of a study, for one process at a time; makes it where there is none.
+
+    A run is put together in a scratch folder and renamed into place, so that every existing one is complete.
+
+    Raises
+    ------
+    UserError
+        It cannot be created or written, holds files but no study, or is in use by another process.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, PLAN, "study", "graphnav ablate")
+
+    def begin(self, plan: Plan) -> None:
+        """Remove what a killed process left and write the plan.
+
+        Raises
+        ------
+        UserError
+            The folder holds another study, or runs that would not compare with those to come.
+        GraphnavError
+            The disk refuses.
+        """
+        written = self.path / PLAN
+        if written.exists():
+            old = read_plan(self.path)
+            if (self.path / RUNS).exists():
+                check_compatible(old, plan, self.path)
+        self.empty_scratch()
+        plan.write(written)
+        _remember(self.path, plan)
+
+    def holds(self, place: str) -> bool:
+        """Return whether ``place`` has a complete run."""
+        return os.path.isfile(f"{self.path}/{place}/{SUMMARY}")  # studies have many runs, for which pathlib is slow
+
+    def keep(self, place: str, files: Mapping[str, bytes]) -> None:
+        """Put a run's files at ``place``: all of them or, where the process is killed or the disk full, none.
+
+        Raises
+        ------
+        GraphnavError
+            The disk refuses.
+        """
+        try:
+            self._keep(place, files)
+        except OSError as error:
+            raise GraphnavError(f"cannot write into {self.path}: {error.strerror}") from error
+
+    def _keep(self, place: str, files: Mapping[str, bytes]) -> None:
+        unfinished = Path(tempfile.mkdtemp(dir=self.scratch))
+        for name, content in files.items():
+            (unfinished / name).parent.mkdir(parents=True, exist_ok=True)
+            with (unfinished / name).open("wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+        unfinished.chmod(0o755)
+        target = self.path / place
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.exists():
+            shutil.rmtree(target)
+        unfinished.rename(target)
+
+
+def _remember(folder: Path, plan: Plan) -> None:
+    """Remember the plugins of a study, and of each of its runs wherever they are made, as those of this user."""
+    sources = {Path(plugin): read_plugin(Path(plugin)) for plugin in plan.plugins if os.path.isfile(plugin)}
+    if sources:
+        remember(request_of_plan(folder, sources))
+        remember_written(copies_of(list(sources)))
+
+
+def read_plan(folder: Path) -> Plan:
+    """Return the plan of a study's folder.
+
+    Raises
+    ------
+    UserError
+        There is none, or it is not a plan.
+    """
+    path = folder / PLAN
+    try:
+        return Plan.read(path)
+    except FileNotFoundError as error:
+        raise UserError.of(
+            f"{folder} is not the folder of a study: there is no {PLAN}", "name one that has it"
+        ) from error
+    except OSError as error:
+        raise UserError.of(f"cannot read {path}: {error.strerror}") from error
+    except (ValueError, KeyError, TypeError, AttributeError, UserError) as error:
+        hint = "it may be of another version of graphnav; choose another folder"
+        raise UserError.of(f"{path} is not the plan of a study", hint) from error

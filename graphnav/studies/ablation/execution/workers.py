@@ -1,0 +1,106 @@
+"""Make runs in parallel, on a Dask cluster through joblib."""
+
+from __future__ import annotations
+
+import logging
+import socket
+from collections.abc import Iterable, Iterator
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager
+from functools import lru_cache
+from typing import Any, Protocol
+from urllib.parse import urlsplit
+
+from graphnav.core.errors import GraphnavError, UserError
+from graphnav.core.interrupts import ctrl_c_later
+from graphnav.core.machine.extras import install_command
+from graphnav.studies.ablation.execution.process_pool import ProcessPool
+from graphnav.studies.ablation.worker import Result, Task
+
+_PATIENCE_S = 5
+"""How long a scheduler may take to answer."""
+
+
+class Workers(Protocol):
+    """Makes runs in parallel."""
+
+    @property
+    def at_once(self) -> int:
+        """The number of runs that are made at once."""
+
+    def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
+        """Yield what comes of the tasks, in the order in which they are finished."""
+
+
+class ClusterWorkers:
+    """The workers of a Dask cluster; each makes its runs in processes of its own, as a study on one machine does."""
+
+    def __init__(self, client: Any, address: str) -> None:
+        self._client, self._address = client, address
+
+    @property
+    def at_once(self) -> int:
+        """The number of runs that are made at once; workers come and go."""
+        cores: dict[str, int] = self._client.ncores()
+        return max(1, sum(cores.values()))
+
+    def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
+        """Yield what comes of the tasks, in the order in which they are finished."""
+        from joblib import Parallel, delayed, parallel_config
+
+        try:
+            with parallel_config("dask", client=self._client):
+                parallel = Parallel(
+                    -1, return_as="generator_unordered", batch_size=1, pre_dispatch=1 if one_at_a_time else "2*n_jobs"
+                )
+            yield from parallel(delayed(_perform_here)(task) for task in tasks)
+        except TimeoutError as error:
+            what = f"the cluster at {self._address} has no worker"
+            raise GraphnavError(f"{what}\n  start one: dask worker {self._address}") from error
+        except CancelledError as error:
+            raise GraphnavError(f"the cluster at {self._address} is gone") from error
+
+
+@contextmanager
+def cluster_workers(address: str) -> Iterator[Workers]:
+    """Let the Dask cluster whose scheduler is at ``address`` make the runs.
+
+    Raises
+    ------
+    UserError
+        Dask is not installed, or no scheduler answers there.
+    """
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise UserError.of("--cluster needs Dask", install_command("cluster")) from error
+    for name in logging.root.manager.loggerDict:
+        if name.startswith("distributed"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are reported once, by graphnav
+    with ExitStack() as closing:
+        try:
+            _knock(address)
+            with ctrl_c_later():  # a client that is made half cannot be closed
+                client = closing.enter_context(Client(address, timeout=_PATIENCE_S, set_as_default=False))
+        except (OSError, ValueError) as error:
+            hint = "give the address that 'dask scheduler' prints, as tcp://host:8786"
+            raise UserError.of(f"--cluster {address}: no scheduler answers there", hint) from error
+        yield ClusterWorkers(client, address)
+
+
+def _knock(address: str) -> None:
+    """Raise OSError or ValueError where no scheduler listens: a Dask client would try for long."""
+    parts = urlsplit(address)
+    if not parts.hostname or not parts.port:
+        raise ValueError(address)
+    socket.create_connection((parts.hostname, parts.port), timeout=_PATIENCE_S).close()
+
+
+def _perform_here(task: Task) -> Result:
+    return _pool().perform(task)
+
+
+@lru_cache(maxsize=1)
+def _pool() -> ProcessPool:
+    """Return the processes that belong to this worker of a cluster; they end with it, or when idle."""
+    return ProcessPool()

@@ -1,0 +1,172 @@
+"""Check the graph of every case of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from graphnav.core.catalog import Catalog
+from graphnav.core.errors import Place, UserError
+from graphnav.core.graph import Graph, Node, Override, load_graph, without_replaced
+from graphnav.core.graph.paths import has_path
+from graphnav.core.stage import Role, Stage, params_of
+from graphnav.studies.ablation.plan.case_problems import CaseProblems, Origin
+from graphnav.studies.ablation.plan.upstream import driving_stages
+from graphnav.studies.ablation.plan.variants import Variant
+from graphnav.studies.ablation.study import Study
+
+
+@dataclass(frozen=True)
+class CheckedCase:
+    """A graph with a variant: nothing is wrong with it."""
+
+    name: str
+    """As the study names the graph."""
+    variant: Variant
+    overrides: tuple[Override, ...]
+    """Paths as they were found."""
+    graph: Graph
+
+    @property
+    def identity(self) -> object:
+        """Key of its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
+        return self.name, self.identity_of({node.name for node in self.graph.nodes}), repr(self.graph.run)
+
+    @property
+    def uses(self) -> dict[str, str]:
+        """The ``use`` of every stage."""
+        return {node.name: node.use for node in self.graph.nodes}
+
+    @property
+    def swapped(self) -> frozenset[str]:
+        """The stages that its axes put in."""
+        return frozenset(_swaps(self.variant.overrides))
+
+    def roles_of(self, stages: Collection[str]) -> frozenset[Role]:
+        """Return the roles of stages; those that the graph does not have count for nothing."""
+        return frozenset(node.stage_class.role for node in self.graph.nodes if node.name in stages)
+
+    def identity_of(self, stages: Collection[str]) -> object:
+        """Return a key of stages and of all sources, equal for cases in which these do the same."""
+        return self._made_of({*stages, *(source.name for source in self.graph.sources)})
+
+    @property
+    def drive(self) -> object:
+        """A key of what drives and of the sources, equal for cases that meet the same frames.
+
+        Parameters of sources that only change outputs which nothing that drives reads (`Param.changes`) do not count.
+        """
+        driving = driving_stages(self.graph)
+        read = {i.channel.ref for node in self.graph.nodes if node.name in driving for i in node.inputs if i.channel}
+        sources = tuple(
+            (source.name, *_made_of(source.use, _params_that_drive(source, read)), *_wires(source))
+            for source in self.graph.sources
+        )
+        return self.name, self._made_of(driving), sources, self.graph.run.until_s
+
+    def _made_of(self, stages: Collection[str]) -> tuple[object, ...]:
+        nodes = (node for node in self.graph.nodes if node.name in stages)
+        return tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in nodes)
+
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """Notices of swaps; a swap for the same stage did nothing and has none."""
+        idle = {f"{stage}: it is {use} already" for stage, use in _swaps(self.overrides).items()}
+        return tuple(notice for notice in self.graph.notices if notice not in idle)
+
+
+def check_cases(
+    study: Study, variants: tuple[Variant, ...], catalog: Catalog, problems: CaseProblems
+) -> list[CheckedCase]:
+    """Return every graph with every variant, in this order; what is wrong with some is added to ``problems``."""
+    fine: set[object] = set()
+    checked = []
+    for name in study.graphs:
+        for variant in variants:
+            origins = _origins(study, variant)
+            problems.count_case(name)
+            try:
+                case = _load(study, name, variant, catalog)
+                new = {part: node for node in case.graph.nodes if (part := _made_of(node.use, node.params)) not in fine}
+                replace(case.graph, nodes=tuple(new.values())).make_stages()
+                fine |= new.keys()
+                checked.append(case)
+            except UserError as error:
+                problems.add(name, variant, error, origins)
+    return checked
+
+
+def _load(study: Study, name: str, variant: Variant, catalog: Catalog) -> CheckedCase:
+    of_all = study.overrides
+    if study.decomposition is not None:
+        of_all = without_replaced(of_all, variant.overrides)
+    overrides = (*of_all, *variant.overrides)
+    graph = load_graph(name, catalog, overrides)
+    _refuse_live(graph)
+    nodes = {node.name: node for node in graph.nodes}
+    return CheckedCase(name, variant, tuple(_as_found(override, nodes) for override in overrides), graph)
+
+
+def _as_found(override: Override, nodes: Mapping[str, Node]) -> Override:
+    """Return an override whose paths are absolute where they were found beside the study."""
+    for target in override.target.each if override.target.kind == "setting" and override.folder else ():
+        node = nodes.get(target.stages[0])
+        if node is not None and target.key in node.settings and has_path(params_of(node.stage_class)[target.key].type):
+            return replace(override, value=node.settings[target.key].written)
+    return override
+
+
+def _origins(study: Study, variant: Variant) -> dict[Place, Origin]:
+    """Return the origin of every override of a case, by its place."""
+    origins = {override.place: Origin(_shown(override.place)) for override in study.overrides}
+    for axis, choice in variant.choices.items():
+        origins |= {o.place: Origin(_shown(o.place), axis, choice.label) for o in choice.overrides}
+    return origins
+
+
+def _shown(place: Place) -> Place:
+    """Return a place without the number of a value in an option."""
+    return place if place.line else replace(place, column=0)
+
+
+def _swaps(overrides: Iterable[Override]) -> dict[str, str]:
+    """Return which stages are swapped or added, and for what."""
+    return {stage: str(o.value) for o in overrides if o.target.is_stage for stage in o.target.stages}
+
+
+def _made_of(use: str, params: Mapping[str, object]) -> tuple[object, ...]:
+    """Return what a stage is made of; that of the same name and parameters passes the same checks."""
+    return use, *((name, repr(value)) for name, value in params.items())
+
+
+def _params_that_drive(source: Node, read: Collection[str]) -> dict[str, object]:
+    """Return the parameters of a source that may change a drive; ``read``: the outputs that this reads."""
+    ports = {port for port, channel in source.outputs.items() if channel.ref in read}
+    declared = params_of(source.stage_class)
+    unread = {name for name in source.params if declared[name].changes and ports.isdisjoint(declared[name].changes)}
+    return {name: value for name, value in source.params.items() if name not in unread}
+
+
+def _wires(node: Node) -> tuple[object, ...]:
+    reads = ((i.port.name, i.channel.ref if i.channel else "") for i in node.inputs)
+    return *reads, *(channel.name for channel in node.outputs.values())
+
+
+def _refuse_live(graph: Graph) -> None:
+    """Raise UserError for a graph whose messages come from elsewhere, at the wall clock's pace."""
+    for given in graph.inputs.values():
+        raise UserError.of(
+            f"the input '{given.channel.ref}' makes this graph live, but a study runs in simulated time",
+            "name a graph whose images come from a world, a video or a folder of images",
+            given.place,
+        )
+
+
+def stage_classes(cases: list[CheckedCase]) -> dict[str, list[type[Stage]]]:
+    """Return what the stages of all cases are, by name."""
+    found: dict[str, list[type[Stage]]] = {}
+    for case in cases:
+        for node in case.graph.nodes:
+            if node.stage_class not in found.setdefault(node.name, []):
+                found[node.name].append(node.stage_class)
+    return found

@@ -1,0 +1,274 @@
+"""A checked study: every graph with every variant, and its runs."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from graphnav.core.errors import Place, shown_path
+from graphnav.core.graph import Override, Target, parse_override
+from graphnav.core.machine.atomic_write import write_atomically
+from graphnav.core.machine.regular_file import read_json
+from graphnav.core.spec import check_types
+from graphnav.core.stage import Better, Metric, Role
+from graphnav.studies.ablation.plan import former_plan
+from graphnav.studies.ablation.study import Decomposition, MetricExpression
+
+RUNS = "runs"
+"""Where runs are, below the study's folder."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One graph with one variant, checked."""
+
+    graph: str
+    """As tables call it: the graph's name and, where variants are compared within conditions, the condition."""
+    source: str
+    """The graph as the study names it."""
+    variant: str
+    """Its name in tables; the same over all graphs."""
+    labels: Mapping[str, str]
+    """Its choice of every axis."""
+    overrides: tuple[Override, ...]
+    is_base: bool
+    role: Role
+    """As `variant_roles` finds it: "oracle", "baseline" or "method"."""
+    folder: str
+    """Where its runs are, below the study's folder; unique unless another case resolves to the same graph."""
+    same_as: str
+    """The variant whose runs these are, because both resolve to the same graph; empty for runs of its own."""
+    uses: Mapping[str, str]
+    """The ``use`` of every stage, in the graph's order."""
+    swapped: tuple[str, ...]
+    """Stages that are not what they are in the base."""
+    notices: tuple[str, ...]
+    """Notices of what was rewired, pruned and set to defaults."""
+    graph_yaml: str
+    """The resolved graph, portable."""
+    driving: tuple[str, ...] = ()
+    """The stages that drive the world's robot, in firing order."""
+    drives_as: str = ""
+    """The first variant whose drive is this one: in the same world both meet the same frames."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A pending run."""
+
+    case: Case
+    seed: int
+
+    @property
+    def folder(self) -> str:
+        """Return where it is made, below the study's folder."""
+        return f"{self.case.folder}/{self.seed}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A checked study; ``plan.json`` in its folder, from which every report can be made again."""
+
+    name: str
+    about: str
+    command: str
+    """The exact command that runs it again."""
+    graphs: tuple[str, ...]
+    """As tables call them, each with a base of its own."""
+    axes: Mapping[str, tuple[str, ...]]
+    """The labels of each axis, the base's first."""
+    seeds: tuple[int, ...]
+    metrics: tuple[str, ...]
+    """Columns of the table, ``stage.metric`` or two of them, the one that decides first; empty for all metrics."""
+    cases: tuple[Case, ...]
+    """Graph by graph, in the same order of variants; the base first."""
+    reference: str = ""
+    """The variant whose runs metrics may be relative to; empty for none."""
+    until_clear: bool = False
+    """Whether worlds are added until the metric that decides tells each variant from the base."""
+    worlds: Mapping[str, int] = field(default_factory=dict)
+    """By graph, as the study names it: how many of the seeds are its worlds; all where it is not named."""
+    within: tuple[str, ...] = ()
+    """Axes that are conditions, within which variants are compared."""
+    declared: Mapping[str, Metric] = field(default_factory=dict)
+    """Metrics that the stages of the cases declare, by ``stage.metric``."""
+    plugins: tuple[str, ...] = ()
+    """Files given with ``--plugin`` and those that the graphs name, absolute."""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    decomposition: Decomposition | None = None
+    """Its stages and their oracles; None where it decomposes nothing."""
+
+    @cached_property
+    def variants(self) -> tuple[str, ...]:
+        """All variants, the base first."""
+        return tuple(dict.fromkeys(case.variant for case in self.cases))
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """The graphs as the study names them."""
+        return tuple(dict.fromkeys(case.source for case in self.cases))
+
+    @property
+    def base(self) -> str:
+        """The variant that all others are compared with."""
+        return next(case.variant for case in self.cases if case.is_base)
+
+    @property
+    def jobs(self) -> Iterator[Job]:
+        """Every run of the study, seed by seed, so that all variants grow together."""
+        for place, seed in enumerate(self.seeds):
+            for case in self.cases:
+                if not case.same_as and place < self.n_worlds(case):
+                    yield Job(case, seed)
+
+    @property
+    def n_jobs(self) -> int:
+        """The number of runs."""
+        return sum(self.n_worlds(case) for case in self.cases if not case.same_as)
+
+    def n_worlds(self, case: Case) -> int:
+        """Return the number of worlds of a case."""
+        return min(self.worlds.get(case.source, len(self.seeds)), len(self.seeds))
+
+    def seeds_of(self, case: Case) -> tuple[int, ...]:
+        """Return the worlds of a case: the first of the seeds."""
+        return self.seeds[: self.n_worlds(case)]
+
+    def metric(self, name: str) -> Metric:
+        """Return what is declared of ``stage.metric``."""
+        return self.declared.get(name) or former_plan.undeclared(name)
+
+    def better(self, column: str) -> Better:
+        """Return which values of a column are better; a difference or a ratio is better where its first metric is."""
+        return self.metric(MetricExpression.parse(column).operands[0]).better
+
+    def min_difference(self, column: str) -> float:
+        """Return the smallest difference of a column that matters: of its metric, or of the first of a difference.
+
+        Any difference of a ratio matters: what is declared is in the unit of the metric.
+        """
+        read = MetricExpression.parse(column)
+        return 0.0 if read.operator == "/" else self.metric(read.operands[0]).min_difference
+
+    def span(self, column: str) -> tuple[float, float] | None:
+        """Return the lowest and the highest possible value of a column; None: unknown, as of a difference.
+
+        A ratio of metrics that cannot be negative cannot be, either.
+        """
+        read = MetricExpression.parse(column)
+        spans = [self.metric(name).span for name in read.operands]
+        if not read.operator:
+            return spans[0]
+        is_positive = read.operator == "/" and all(span is not None and span[0] >= 0 for span in spans)
+        return (0.0, math.inf) if is_positive else None
+
+    def are_comparable(self, one: Case, other: Case, column: str) -> bool:
+        """Return whether two cases of a graph may be compared by a column.
+
+        What depends on the frames that a run meets (`Metric.of_frames`) is compared only where both drive alike.
+        """
+        return one.drives_as == other.drives_as or not self.is_of_frames(column)
+
+    def is_of_frames(self, column: str) -> bool:
+        """Return whether a column depends on the frames that a run meets."""
+        return any(self.metric(name).of_frames for name in MetricExpression.parse(column).operands)
+
+    def label(self, column: str) -> str:
+        """Return the heading of a column: its metric, with the unit where the name does not tell it."""
+        read = MetricExpression.parse(column)
+        if read.operator:
+            return column
+        return f"{column.partition('.')[0]}.{self.metric(column).label}"
+
+    def case(self, graph: str, variant: str) -> Case:
+        """Return the case of a graph and a variant."""
+        return next(case for case in self.cases if (case.graph, case.variant) == (graph, variant))
+
+    def write(self, path: Path) -> None:
+        """Write it as JSON, atomically; the overrides of a case are a mapping of targets to values.
+
+        Raises
+        ------
+        GraphnavError
+            The disk refuses; an existing file is unchanged.
+        """
+        data = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        data["cases"] = [_case_json(case) for case in self.cases]
+        data["declared"] = {name: dataclasses.asdict(metric) for name, metric in self.declared.items()}
+        data["decomposition"] = self.decomposition and dataclasses.asdict(self.decomposition)
+        write_atomically(path, json.dumps(data, indent=1) + "\n")
+
+    @classmethod
+    def read(cls, path: Path) -> Plan:
+        """Read what `write` wrote, in this version or an earlier one.
+
+        Raises
+        ------
+        OSError, ValueError, KeyError, TypeError, AttributeError, UserError
+            It cannot be read, or is not a plan.
+        """
+        data: dict[str, Any] = former_plan.as_written_now(read_json(path))
+        data["declared"] = {name: _metric(declared) for name, declared in data["declared"].items()}
+        data["cases"] = tuple(_case(case, Place(shown_path(path))) for case in data["cases"])
+        if data.get("decomposition"):
+            data["decomposition"] = Decomposition(**data["decomposition"])
+        data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
+        plan = cls(**{key: _tuple(value) for key, value in data.items()})
+        check_types(plan)
+        _check_consistent(plan)
+        return plan
+
+
+def _check_consistent(plan: Plan) -> None:
+    """Raise ValueError or UserError unless the cases, metrics and seeds of a plan that was read refer to each other."""
+    known = {(case.graph, case.variant) for case in plan.cases}
+    graphs = {case.graph for case in plan.cases}
+    axes = {name: set(labels) for name, labels in plan.axes.items()}
+    is_clear = (
+        len(known) == len(plan.cases) > 0
+        and graphs == set(plan.graphs)
+        and graphs == {case.graph for case in plan.cases if case.is_base}
+        and all(case.labels.keys() == axes.keys() for case in plan.cases)
+        and all(label in axes[axis] for case in plan.cases for axis, label in case.labels.items())
+        and all(not case.same_as or (case.graph, case.same_as) in known for case in plan.cases)
+        and all(_is_below(case.folder) for case in plan.cases)
+        and all(0 <= seed < 2**32 for seed in plan.seeds)
+    )
+    if not is_clear:
+        raise ValueError("its cases do not agree with its graphs, axes or seeds")
+    for column in plan.metrics:
+        MetricExpression.parse(column)
+
+
+def _is_below(folder: str) -> bool:
+    """Return whether a relative path leads down from the folder that it begins at."""
+    return folder != "" and "\0" not in folder and not Path(folder).is_absolute() and ".." not in Path(folder).parts
+
+
+def _case_json(case: Case) -> dict[str, Any]:
+    data = {field.name: getattr(case, field.name) for field in dataclasses.fields(case)}
+    return data | {"overrides": {str(override.target): override.value for override in case.overrides}}
+
+
+def _case(data: dict[str, Any], place: Place) -> Case:
+    """Return a case of a plan; before 0.3.0 its overrides were strings for ``--set``."""
+    fields = {key: _tuple(value) for key, value in data.items()}
+    if "sets" in fields:
+        overrides = [parse_override(text, place) for text in fields.pop("sets")]
+    else:
+        overrides = [Override(Target.parse(key, place), value, place) for key, value in data["overrides"].items()]
+    return Case(**fields | {"overrides": tuple(overrides)})
+
+
+def _metric(declared: dict[str, Any]) -> Metric:
+    return Metric(**{key: _tuple(value) for key, value in declared.items()})
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value

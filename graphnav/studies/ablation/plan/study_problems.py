@@ -1,0 +1,94 @@
+"""Problems of a study that need no graph: nothing to run, or one target set twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from graphnav.core.errors import Problem, did_you_mean
+from graphnav.core.graph import Override, Target
+from graphnav.studies.ablation.plan.variants import Variant
+from graphnav.studies.ablation.study import Study
+
+_MAX_NAMED = 20
+"""Variants that a hint lists."""
+
+_OWN = {
+    "seed": ("a study's seeds are its worlds", "write seeds: FIRST:END, or --seeds FIRST:END"),
+    "record": ("a study records what is small, and of failures everything", "leave it out"),
+}
+"""Options of ``run:`` that a study decides itself."""
+
+
+def study_problems(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
+    """Yield the problems of a study and its variants, each once, at its first place."""
+    found: dict[object, Problem] = {}
+    for about, problem in _all_problems(study, variants):
+        found.setdefault(about, problem)
+    yield from found.values()
+
+
+def _all_problems(study: Study, variants: Sequence[Variant]) -> Iterator[tuple[object, Problem]]:
+    """Yield what each problem is about, and the problem."""
+    if not study.graphs:
+        hint = "name one: graphnav ablate corridor_ccw ..."
+        yield "graphs", Problem(None, f"the study '{study.name}' has no graphs", hint)
+    if not study.seeds:
+        yield "seeds", Problem(None, f"the study '{study.name}' has no seeds", "specify the worlds: --seeds 0:50")
+    yield from ((problem, problem) for problem in _within(study))
+    yield from ((problem, problem) for problem in _reference(study, variants))
+    for override in study.overrides:
+        yield from _own(override)
+    for variant in variants:
+        yield from _set_twice(study, variant)
+
+
+def _within(study: Study) -> Iterator[Problem]:
+    axes = [axis.name for axis in study.axes]
+    unknown = [name for name in study.within if name not in axes]
+    for name in unknown:
+        hint = did_you_mean(name, axes) or f"axes are {', '.join(axes)}"
+        yield Problem(study.places.get(name), f"'within' names '{name}', but the study has no such axis", hint)
+    if not study.within or unknown:
+        return
+    place = study.places.get(study.within[0])
+    if study.one_at_a_time:
+        what = "'within' needs axes that cross: one at a time, no variant but the base has another condition"
+        yield Problem(place, what, "leave out 'within' or 'one_at_a_time'")
+    elif len(study.within) == len(axes):
+        yield Problem(place, "'within' names every axis, which leaves none to compare", "leave out the one that varies")
+
+
+def _reference(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
+    names = list(dict.fromkeys(variant.called for variant in variants))
+    if study.reference and study.reference not in names:
+        what = f"the reference is '{study.reference}', but the study has no such variant"
+        hint = did_you_mean(study.reference, names) or f"its variants are {', '.join(names[:_MAX_NAMED])}"
+        yield Problem(study.places.get(study.reference), what, hint)
+
+
+def _set_twice(study: Study, variant: Variant) -> Iterator[tuple[object, Problem]]:
+    """Yield what an axis sets, and 'set' or another axis, too; an oracle replaces a stage that 'set' put in."""
+    who = {
+        target: ("'set'", override.value)
+        for override in study.overrides
+        if study.decomposition is None or not override.target.is_stage
+        for target in override.target.each
+    }
+    for axis, choice in variant.choices.items():
+        here: dict[Target, tuple[str, object]] = {}
+        for override in choice.overrides:
+            yield from _own(override)
+            for target in override.target.each:
+                setter, value = who.get(target, ("", None))
+                if setter and (study.decomposition is None or value != override.value):
+                    what = f"axis '{axis}' sets {target}, as {setter} does"
+                    yield (axis, target, setter), Problem(override.place, what, "keep one", "duplicate")
+                here[target] = f"axis '{axis}'", override.value
+        who |= here
+
+
+def _own(override: Override) -> Iterator[tuple[object, Problem]]:
+    target = override.target
+    if target.kind == "run" and target.key in _OWN:
+        why, hint = _OWN[target.key]
+        yield target, Problem(override.place, f"{target} is not for a study to set: {why}", hint)

@@ -1,0 +1,44 @@
+"""The tables and the report of a study."""
+
+from graphnav.core.machine.atomic_write import write_atomically
+from graphnav.studies.ablation.report.csv_files import (
+    METRICS,
+    RESULTS,
+    TIMING,
+    write_metrics,
+    write_results,
+    write_timing,
+)
+from graphnav.studies.ablation.report.decomposition_chart import PICTURE, decomposition_picture
+from graphnav.studies.ablation.report.decomposition_text import sentences
+from graphnav.studies.ablation.report.html import write_report
+from graphnav.studies.ablation.report.markdown import TABLE, bullets, code, document, escaped, table, table_markdown
+from graphnav.studies.ablation.report.number_format import difference_text
+from graphnav.studies.ablation.report.paired_markdown import paired_studies_markdown
+from graphnav.studies.ablation.report.terminal import print_comparison, print_contrasts, print_paired_studies
+
+__all__ = [
+    "METRICS",
+    "PICTURE",
+    "RESULTS",
+    "TABLE",
+    "TIMING",
+    "bullets",
+    "code",
+    "decomposition_picture",
+    "difference_text",
+    "document",
+    "escaped",
+    "paired_studies_markdown",
+    "print_comparison",
+    "print_contrasts",
+    "print_paired_studies",
+    "sentences",
+    "table",
+    "table_markdown",
+    "write_atomically",
+    "write_metrics",
+    "write_report",
+    "write_results",
+    "write_timing",
+]

@@ -1,0 +1,123 @@
+"""The paths of all variants on the maps of a few worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from markupsafe import Markup
+
+from graphnav.core.errors import DrawingError, GraphnavError
+from graphnav.core.pictures import DRAWING_FAMILY, drawing
+from graphnav.core.record import Recording
+from graphnav.core.run_folder import LOG
+from graphnav.core.runner import Outcome
+from graphnav.studies.ablation.report.html.embedded_picture import embedded_picture
+from graphnav.studies.ablation.report.html.render import rendered
+from graphnav.studies.ablation.report.html.study_results import StudyResults
+from graphnav.studies.ablation.report.html.variant_style import colours_of
+from graphnav.studies.ablation.results import Record
+
+FOLDER = "paths"
+_FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
+_MAX_PATHS = {"method": 8, "baseline": 3, "oracle": 2}
+_MAX_PX = 520
+
+
+@dataclass(frozen=True)
+class _World:
+    """The map of a world with the paths through it, or why it cannot be drawn."""
+
+    seed: int
+    picture: Markup
+    outcomes: str
+    error: str = ""
+
+
+def maps(study: StudyResults) -> Markup:
+    """Return maps with paths: of the first worlds and of those in which variants differ most."""
+    variants = _variants(study)
+    colours = colours_of(study)
+    study.catalog.load(DRAWING_FAMILY)
+    graphs = []
+    for graph in study.plan.graphs:
+        own = [variant for variant in variants if not study.plan.case(graph, variant).same_as]
+        runs = {v: {run.seed: run for run in study.runs.get((graph, v), ())} for v in own}
+        seeds = _worlds(study, graph, variants)
+        drawn = [_map(study, graph, seed, [of[seed] for of in runs.values() if seed in of], colours) for seed in seeds]
+        if shown := [world for world in drawn if world is not None]:
+            graphs.append((graph, shown))
+    return rendered(
+        "path_maps.html",
+        graphs=graphs,
+        colours=[(variant, colours[variant]) for variant in variants],
+        n_left_out=len(study.own_variants) - len(variants),
+    )
+
+
+def _variants(study: StudyResults) -> Sequence[str]:
+    """Return whose paths are drawn: of each role the first few, the base among them."""
+    roles = {case.variant: case.role for case in study.plan.cases}
+    used = dict.fromkeys(_MAX_PATHS, 0)
+    kept = []
+    for variant in study.own_variants:
+        role = roles[variant]
+        used[role] += 1
+        if used[role] <= _MAX_PATHS[role]:
+            kept.append(variant)
+    return kept
+
+
+def _worlds(study: StudyResults, graph: str, variants: Sequence[str]) -> Sequence[int]:
+    """Return the seeds of the worlds to draw, the first ones first."""
+    seeds = study.plan.seeds_of(study.own_rows(graph)[0].case)
+    first, disputed = (_FIRST, _DISPUTED) if len(study.plan.graphs) <= _MANY_GRAPHS else (1, 2)
+    outcomes: dict[int, list[str]] = {}
+    for variant in variants:
+        if study.plan.case(graph, variant).role == "method":
+            for run in study.runs.get((graph, variant), ()):
+                outcomes.setdefault(run.seed, []).append(run.outcome)
+    doubt = {
+        seed: sum(one != Outcome.GOAL for one in of) * sum(one == Outcome.GOAL for one in of)
+        for seed, of in outcomes.items()
+    }
+    begin = list(seeds[:first])
+    rest = sorted((s for s in seeds if s not in begin), key=lambda s: (-doubt.get(s, 0), s))
+    doubtful = [seed for seed in rest if doubt.get(seed, 0) > 0][:disputed]
+    return [*begin, *(doubtful or rest[:disputed])]
+
+
+def _map(study: StudyResults, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> _World | None:
+    beside = Path(next(case.folder for case in study.plan.cases if case.graph == graph)).parent.name
+    file = study.folder / FOLDER / beside / f"{seed}.png"  # a graph may be called by its path
+    try:
+        drawn = _drawn(study, runs, colours, file)
+    except DrawingError as error:
+        return _World(seed, Markup(""), "", f"World {seed} of {graph} cannot be drawn: {error}")
+    except GraphnavError:  # a log that cannot be read shows no path
+        drawn = None
+    if drawn is None:
+        return None
+    ends = dict.fromkeys(run.outcome for run in runs)
+    counts = ", ".join(f"{sum(run.outcome == end for run in runs)} {end}" for end in ends)
+    return _World(seed, embedded_picture(drawn, f"paths through world {seed} of {graph}", _MAX_PX), counts)
+
+
+def _drawn(study: StudyResults, runs: Sequence[Record], colours: dict[str, str], file: Path) -> Path | None:
+    """Draw the runs whose logs are there, the base on top; return ``file``, or None where they are not enough."""
+    with ExitStack() as stack:
+        recordings = {
+            run.variant: stack.enter_context(Recording(log))
+            for run in reversed(runs)
+            if (log := study.folder / run.folder / LOG).is_file()
+        }
+        if not recordings:
+            return None
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with drawing():
+            drawn: Path | None = study.catalog.hook.graphnav_draw_paths(
+                recordings=recordings, colours=colours, file=file
+            )
+        return drawn

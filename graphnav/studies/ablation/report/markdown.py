@@ -1,0 +1,119 @@
+"""``table.md``: the table of a study in Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from graphnav.core.errors import printable
+from graphnav.core.stage import Better
+from graphnav.studies.ablation.plan import Plan
+from graphnav.studies.ablation.report.decomposition_text import HEADER, heading, notes, rows, sentences
+from graphnav.studies.ablation.report.legend import (
+    OWN_FRAMES,
+    legend,
+    marks,
+    origin,
+    outcome_counts,
+    same_graphs,
+    worlds_text,
+)
+from graphnav.studies.ablation.report.number_format import difference_text, estimate_text
+from graphnav.studies.ablation.results import Comparison, Difference, Losses, Row, shown_metrics
+
+TABLE = "table.md"
+METRICS_PER_TABLE = 3
+"""More would need scrolling, and go into further tables."""
+ARROWS: dict[Better, str] = {"higher": " ↑", "lower": " ↓", "neither": ""}
+"""Behind the heading of a metric."""
+
+_ESCAPED = str.maketrans({"|": "\\|", "\n": " ", "<": "&lt;", "*": "\\*"})
+
+
+def table_markdown(plan: Plan, comparison: Comparison, found: Sequence[Losses] = (), notes: Sequence[str] = ()) -> str:
+    """Return the table of a study, graph by graph, with how to read it and how to reproduce it.
+
+    ``found``: what a decomposed study lost where. ``notes``: sentences on the number of worlds.
+    """
+    parts = [f"# {plan.name}", *([escaped(plan.about)] if plan.about else []), *_decomposition(plan, found)]
+    for graph in plan.graphs:
+        parts += [f"## {graph}", *_graph(plan, comparison, comparison.of_graph(graph))]
+    if notes:
+        parts += ["## Number of worlds", bullets(map(escaped, notes))]
+    parts += ["## How to read and repeat this", bullets(map(escaped, legend(plan, comparison)))]
+    parts.append(bullets(f"{name}: {code(value)}" for name, value in origin(plan)))
+    return document(parts)
+
+
+def _decomposition(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
+    if not found:
+        return
+    yield "## Where it is lost"
+    for of in found:
+        yield f"### {escaped(heading(of))}"
+        yield escaped(" ".join(sentences(plan, of)))
+        if of.is_cut_off:
+            continue
+        yield table(HEADER, ([escaped(cell) for cell in cells] for cells in rows(of)))
+    yield bullets(map(escaped, notes(plan, found)))
+
+
+def document(parts: Iterable[str]) -> str:
+    """Return paragraphs as a file in which nothing is invisible or changes the order of the text."""
+    return printable("\n\n".join(parts)) + "\n"
+
+
+def table(header: Sequence[str], lines_below: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table."""
+    lines = [header, ["---"] * len(header), *lines_below]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+def bullets(lines: Iterable[str]) -> str:
+    """Return a Markdown list."""
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def escaped(text: str) -> str:
+    """Return a string that Markdown shows unchanged, in a table too."""
+    return text.translate(_ESCAPED)
+
+
+def code(text: str) -> str:
+    """Return a string as code."""
+    return f"`{text}`" if "`" not in text else escaped(text)
+
+
+def difference_cell(found: Difference | None) -> str:
+    """Return a difference, bold where it is clear."""
+    if found is None:
+        return ""
+    text = difference_text(found)
+    return f"**{text}**" if found.is_clear else text
+
+
+def _graph(plan: Plan, comparison: Comparison, of_graph: Sequence[Row]) -> Iterator[str]:
+    metrics = shown_metrics(plan, comparison)
+    own = [row for row in of_graph if not row.case.same_as]
+    for first in range(0, max(len(metrics), 1), METRICS_PER_TABLE):
+        some = metrics[first : first + METRICS_PER_TABLE]
+        header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
+        for metric in some:
+            header += [f"{escaped(plan.label(metric))}{ARROWS[plan.better(metric)]}", "difference"]
+        yield table(header, (_cells(row, some, with_runs=first == 0) for row in own))
+    if alike := list(same_graphs(of_graph)):
+        yield bullets(map(escaped, alike))
+    failed = [(row, reason, times) for row in own for reason, times in row.failures.items()]
+    if failed:
+        yield "Failed runs:"
+        yield bullets(f"{escaped(row.case.variant)}, {times}: {escaped(reason)}" for row, reason, times in failed)
+
+
+def _cells(row: Row, metrics: Sequence[str], *, with_runs: bool) -> list[str]:
+    cells = [" ".join([escaped(row.case.variant), *(f"({escaped(mark)})" for mark in marks(row))])]
+    if with_runs:
+        cells += [worlds_text(row), outcome_counts(row.outcomes)]
+    for metric in metrics:
+        found = row.estimates.get(metric)
+        change = OWN_FRAMES if metric in row.own_frames else difference_cell(row.differences.get(metric))
+        cells += ["" if found is None else estimate_text(found, row.runs), change]
+    return cells

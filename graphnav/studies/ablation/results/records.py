@@ -1,0 +1,147 @@
+"""The results of a study: one record a run, read from the summaries."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from graphnav.core.errors import Problem, UserError, shown_path
+from graphnav.core.machine.regular_file import read_json
+from graphnav.core.runner import Outcome
+from graphnav.core.runner.recording.summary import SUMMARY
+from graphnav.core.stage import Metric, former_names
+from graphnav.studies.ablation.plan import Case, Plan
+from graphnav.studies.ablation.results.relative_metrics import relative_metrics
+
+
+@dataclass(frozen=True)
+class StageTime:
+    """How long a stage's steps took in one run."""
+
+    steps: int
+    p50_ms: float
+    p99_ms: float
+
+
+@dataclass(frozen=True)
+class Record:
+    """The result of one run."""
+
+    graph: str
+    variant: str
+    seed: int
+    outcome: str
+    failure: str
+    cause: str
+    """The failure without the time at which it happened: runs that failed for the same reason have the same one."""
+    frames: int
+    sim_s: float
+    metrics: Mapping[str, float]
+    """By ``stage.metric``; one that was not defined for the run is missing."""
+    wall_s: float
+    times: Mapping[str, StageTime]
+    """By stage."""
+    folder: str
+    """Of the run, below the study's folder."""
+
+    def counted(self, name: str, metric: Metric) -> float | None:
+        """Return the value that ``stage.metric`` has in a comparison, None where it is not defined for the run.
+
+        A failure never improves a result: a run in which a stage failed has what the metric declares of failed drives,
+        and metrics that declare no value for them, which describe the part before the failure only, do not count.
+        """
+        if self.outcome != Outcome.FAILED or metric.relative_to:
+            return self.metrics.get(name)
+        stage = name.partition(".")[0]
+        is_defined = name in self.metrics or not any(other.startswith(f"{stage}.") for other in self.metrics)
+        return None if not is_defined or isinstance(metric.if_failed, str) else metric.if_failed
+
+
+def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
+    """Read the existing runs of a plan, in the plan's order: graph, variant, seed.
+
+    A case that shares its runs with another has a record of each under its own name. Runs that were stopped by hand
+    are left out: they are not results. Metrics that are relative to the reference's runs are added.
+
+    Raises
+    ------
+    UserError
+        Summaries that are truncated or hold something else; all of them are named.
+    """
+    records, problems = [], dict[Path, Problem]()
+    for case in plan.cases:
+        for seed in plan.seeds_of(case):
+            path = folder / case.folder / str(seed) / SUMMARY
+            try:
+                record = read_record(case, seed, path)
+            except FileNotFoundError:
+                continue
+            except (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError):
+                hint = "remove it and run the study again: it makes the missing runs"
+                problems[path] = Problem(None, f"{shown_path(path)} is not a complete summary of a run", hint)
+                continue
+            if record.outcome != Outcome.STOPPED:
+                records.append(record)
+    if problems:
+        raise UserError(problems.values())
+    return tuple(
+        replace(record, metrics={**record.metrics, **more}) if more else record
+        for record, more in zip(records, relative_metrics(plan, records), strict=True)
+    )
+
+
+def read_record(case: Case, seed: int, path: Path) -> Record:
+    """Read one run from its ``summary.json``; a metric that was not finite (null) is missing.
+
+    Raises
+    ------
+    OSError
+        There is none, or it cannot be read.
+    ValueError, KeyError, TypeError, AttributeError, OverflowError
+        It is truncated, or something else.
+    """
+    summary = read_json(path)
+    return Record(
+        graph=case.graph,
+        variant=case.variant,
+        seed=seed,
+        outcome=str(Outcome(summary["outcome"])),
+        failure=str(summary["failure"]),
+        cause=str(summary.get("cause") or summary["failure"]),
+        frames=int(summary["frames"]),
+        sim_s=float(summary["sim_s"]),
+        metrics=_metrics(summary["scores"]),
+        wall_s=float(summary["wall_s"]),
+        times={
+            stage: StageTime(int(did["steps"]), float(did["p50_ms"]), float(did["p99_ms"]))
+            for stage, did in summary["stages"].items()
+        },
+        folder=f"{case.folder}/{seed}",
+    )
+
+
+def in_plan_order(plan: Plan, records: Iterable[Record]) -> list[Record]:
+    """Return records in the order of the plan, whatever order they were made or found in."""
+    cases = {(case.graph, case.variant): place for place, case in enumerate(plan.cases)}
+    seeds = {seed: place for place, seed in enumerate(plan.seeds)}
+    return sorted(records, key=lambda record: (cases[record.graph, record.variant], seeds[record.seed]))
+
+
+def are_cut_off(plan: Plan, runs: Iterable[Record]) -> bool:
+    """Return whether the time limit ended all runs, of drives that can arrive, and none has arrived."""
+    outcomes = [name for name, metric in plan.declared.items() if metric.is_outcome]
+    made = list(runs)
+    arrived = [run.metrics[name] for run in made for name in outcomes if name in run.metrics]
+    return bool(arrived) and not any(arrived) and all(run.outcome == Outcome.TIMEOUT for run in made)
+
+
+def _metrics(scores: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+    return {
+        former_names.metric_now(f"{stage}.{metric}"): float(value)
+        for stage, metrics in scores.items()
+        for metric, value in metrics.items()
+        if value is not None and math.isfinite(value)
+    }

@@ -1,0 +1,118 @@
+"""Make one run of a study, on any machine."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+from graphnav.core.catalog import Catalog
+from graphnav.core.errors import DrawingError, GraphnavError, LogError, StageError, UserError
+from graphnav.core.graph import Graph, graph_of
+from graphnav.core.pictures import drawing
+from graphnav.core.record import LOG, Recording
+from graphnav.core.report.pictures import draw_all
+from graphnav.core.runner import Outcome
+from graphnav.core.runner.recording.run_recorded import run_recorded
+from graphnav.core.runner.recording.stall import StallLimit
+from graphnav.core.runner.recording.summary import Summary
+from graphnav.studies.ablation.plan import difference_here
+from graphnav.studies.ablation.worker.task import Result, Task
+
+ENDING = "end.png"
+"""The picture of how a run ended: the map, and the panels of the last frame."""
+NOT_DRAWN = "not_drawn.txt"
+"""Why pictures are missing, in one line; only where some are."""
+
+
+def perform(task: Task, scratch: Path, send: Callable[[Result], None] = lambda _: None) -> Result:
+    """Make a run in the empty folder ``scratch`` and return its files; a failing stage is a result like any other.
+
+    ``send`` gets the result of a run with a stage that does not return, before the process ends.
+    """
+    try:
+        return _perform(task, scratch, send)
+    except LogError as error:
+        cause = error.__cause__
+        said = f"cannot write into {scratch.parent}: {cause.strerror}" if isinstance(cause, OSError) else str(error)
+        return Result(task, {}, error=said)
+    except (GraphnavError, OSError) as error:
+        return Result(task, {}, error=str(error))
+
+
+def _perform(task: Task, scratch: Path, send: Callable[[Result], None]) -> Result:
+    study = _study(task.plugins, tuple(task.versions.items()))
+    catalog, graph = study.catalog, study.graph(task)
+    errors: list[GraphnavError] = []
+
+    def on_stall(summary: Summary) -> None:
+        send(replace(_result(task, scratch, summary.outcome), ends_process=True))
+
+    stall = StallLimit(task.stall_s, on_stall)
+    summary = run_recorded(graph, graph.make_stages(), scratch, on_failure=errors.append, stall=stall)
+    for error in errors:
+        if not isinstance(error, StageError):
+            raise error
+    if summary.outcome == Outcome.STOPPED:
+        return Result(task, {}, error=f"a process on {platform.node()} was told to stop")
+    if task.draws and summary.frames:
+        _draw(catalog, scratch)
+    return _result(task, scratch, summary.outcome)
+
+
+def _result(task: Task, scratch: Path, outcome: str) -> Result:
+    """Return the files of a finished run."""
+    if not task.keeps_log:
+        (scratch / LOG).unlink()
+    made = [path for path in sorted(scratch.rglob("*")) if path.is_file()]
+    files = {path.relative_to(scratch).as_posix(): path.read_bytes() for path in made}
+    return Result(task, files, outcome=outcome)
+
+
+def _draw(catalog: Catalog, scratch: Path) -> None:
+    """Draw a run and its end; a picture that a plugin cannot draw costs no other."""
+    errors = []
+    try:
+        with Recording(scratch / LOG) as recording:
+            draw_all(catalog, recording, scratch)
+    except DrawingError as error:
+        errors.append(str(error))
+    try:
+        with Recording(scratch / LOG) as recording, drawing():
+            catalog.hook.graphnav_draw_end(recording=recording, file=scratch / ENDING)
+    except DrawingError as error:
+        errors.append(str(error))
+    if errors:
+        (scratch / NOT_DRAWN).write_text("; ".join(dict.fromkeys(errors)), encoding="utf-8")
+
+
+class _Study:
+    """Cache of a study in this process from run to run: the catalog and every graph loaded so far."""
+
+    def __init__(self, catalog: Catalog) -> None:
+        self.catalog = catalog
+        self._graphs: dict[tuple[str, str], Graph] = {}
+
+    def graph(self, task: Task) -> Graph:
+        """Return the graph of a run; that of a case is loaded once."""
+        key = task.graph_yaml, task.graph_path
+        if key not in self._graphs:
+            self._graphs[key] = graph_of(task.graph_yaml.encode(), Path(task.graph_path), self.catalog)
+        graph = self._graphs[key]
+        return replace(graph, notices=task.notices, run=replace(graph.run, seed=task.seed, record=task.record))
+
+
+@lru_cache(maxsize=1)
+def _study(plugins: tuple[str, ...], wanted: tuple[tuple[str, str], ...]) -> _Study:
+    """Return the study of a task; raises UserError where this process differs from what the study began with."""
+    if other := difference_here(wanted, plugins):
+        raise UserError.of(
+            f"{platform.node()} does not have what the study began with, but {other}",
+            other.hint or "the runs would not compare: let all machines, from beginning to end, have the same",
+        )
+    catalog = Catalog()
+    for plugin in plugins:
+        catalog.add_file(Path(plugin))
+    return _Study(catalog)

@@ -1,0 +1,181 @@
+"""``graphnav tune``: give every rival the same budget to find its parameters."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import add_plugin_option, add_portable_option, add_set_option, catalog_of, count, seed
+from graphnav.core.cli.quantities import counted
+from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
+from graphnav.core.errors import Problem, UserError
+from graphnav.core.machine.start_up import ended_by_interrupt
+
+if TYPE_CHECKING:
+    from graphnav.core.machine.console import Console
+    from graphnav.studies.tuning import Tuning, TuningRequest, TuningRun
+
+_ABOUT = """\
+Every rival gets the same number of trials in the same worlds; its first trial is the rival as it is. Seeds from 1000 on
+are refused: they are for reporting. The folder keeps every run: the same command resumes a tuning that was interrupted.
+"""
+_MANY_RUNS = 1000
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.epilog = _ABOUT
+    add_portable_option(parser)
+    parser.add_argument(
+        "names", nargs="+", metavar="GRAPH", help="graphs, or a study with one axis: files or names of shipped ones"
+    )
+    parser.add_argument(
+        "--vary",
+        dest="varies",
+        action="append",
+        default=[],
+        metavar="AXIS=A,B,...",
+        help="the rivals, as of graphnav ablate (plane=plane.ica,plane.affine)",
+    )
+    parser.add_argument("--trials", type=count, default=100, metavar="N", help="trials of each rival (default 100)")
+    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, below 1000, END excluded, or 1,2,5")
+    parser.add_argument(
+        "--metrics",
+        action="append",
+        default=[],
+        metavar="STAGE.METRIC,...",
+        help="what is tuned for; equal trials are told apart by the next one",
+    )
+    parser.add_argument(
+        "--search",
+        dest="searches",
+        action="append",
+        default=[],
+        metavar="KEY=LOW:HIGH[:log]",
+        help="the range of a parameter, or its choices (plane.rule=mad,otsu), in place of the default: a quarter to "
+        "four times its value, within its bounds",
+    )
+    add_set_option(parser)
+    add_plugin_option(parser)
+    parser.set_defaults(trust=True)
+    parser.add_argument(
+        "--sampler-seed", type=seed, default=0, metavar="N", help="seed of the proposals (default 0); worlds ignore it"
+    )
+    parser.add_argument("-o", dest="folder", type=Path, metavar="DIR", help="the folder (default: tunings/GRAPH)")
+    parser.add_argument("-j", dest="jobs", type=count, metavar="N", help="runs at once (default: one per core)")
+    parser.add_argument(
+        "--cluster", metavar="URL", help="run on the Dask cluster whose scheduler is at tcp://host:8786"
+    )
+    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation before more than 1000 runs")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    with ended_by_interrupt(owns_process=args.owns_process):
+        from graphnav.core.machine.console import Console
+        from graphnav.studies.api.tune import tune_into
+        from graphnav.studies.commands.study_progress import study_bar
+        from graphnav.studies.tuning import check_tuning, named_after
+
+        tuning = check_tuning(_request(args), catalog_of(args), shlex.join(["graphnav", *args.words]))
+    console = Console(highlight=False, soft_wrap=True)
+    folder = args.folder or Path("tunings") / named_after(args.names)
+    _print_search(tuning, console)
+    if tuning.n_runs > _MANY_RUNS and not args.yes and not _confirmed(tuning.n_runs, console):
+        return OK
+    try:
+        with study_bar(Console(stderr=True), "tune", 0, tuning.n_runs) as show:
+
+            def on_made(n_runs: int) -> None:
+                for _ in range(n_runs):
+                    show("made")
+
+            run = tune_into(tuning, folder, args.jobs, args.cluster, on_made)
+    except KeyboardInterrupt:
+        print("stopped: every finished run is kept; resume with the same command", file=sys.stderr)
+        return INTERRUPTED
+    _print_result(run, folder, console)
+    return FAILED if run.has_failed() else OK
+
+
+def _request(args: argparse.Namespace) -> TuningRequest:
+    """Return the tuning that the command line asks for."""
+    from graphnav.core.graph import parse_overrides
+    from graphnav.studies.ablation.study import parse_varies
+    from graphnav.studies.tuning import TuningRequest, parse_searches
+
+    problems: list[Problem] = []
+    return TuningRequest(
+        names=args.names,
+        varies=parse_varies(args.varies, problems),
+        overrides=parse_overrides(args.sets, problems),
+        seeds=args.seeds,
+        metrics=args.metrics,
+        searches=parse_searches(args.searches, problems),
+        trials=args.trials,
+        sampler_seed=args.sampler_seed,
+        plugins=args.plugins,
+        problems=problems,
+    )
+
+
+def _print_search(tuning: Tuning, console: Console) -> None:
+    """Print what is searched of each rival, before anything runs."""
+    for rival in tuning.rivals:
+        found = [searched.text for searched in rival.space]
+        console.print(
+            f"{rival.label}: {counted(tuning.n_trials(rival), 'trial')} of {', '.join(found) or 'nothing'}",
+            markup=False,
+        )
+        if rival.left:
+            left = ", ".join(rival.left)
+            console.print(f"  not searched, because nothing says what they could be: {left}", markup=False)
+    runs = f"{counted(tuning.n_runs, 'run')}, {tuning.runs_per_trial} of each trial"
+    console.print(f"{runs}, on {', '.join(tuning.study.graphs)}", markup=False)
+
+
+def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    from graphnav.core.machine.fitted_tables import fitted_tables
+    from graphnav.studies.tuning import OPTIMISTIC, STUDY, TABLE, TRIALS, conclusion, header, rows, trouble_texts
+
+    table = Table(box=None, pad_edge=False)
+    for name in header(run)[:-1]:
+        table.add_column(Text(name))
+    for *cells, _ in rows(run):
+        table.add_row(*map(Text, cells))
+    for block in fitted_tables(console, table):
+        console.print(block)
+    for label, *_, params in rows(run):
+        console.print(f"{label}: {params}", markup=False)
+    console.print(conclusion(run), markup=False)
+    for text in trouble_texts(run):
+        console.print(text, markup=False)
+    console.print(OPTIMISTIC, markup=False)
+    console.print(f"{folder}: {TABLE}, {TRIALS}, {STUDY}", markup=False)
+    plugins = [word for path in run.tuning.request.plugins for word in ("--plugin", str(path))]
+    console.print(
+        shlex.join(["graphnav", "ablate", str(folder / STUDY), *plugins, "--seeds", "1000:1020"]), markup=False
+    )
+
+
+def _confirmed(n_runs: int, console: Console) -> bool:
+    """Ask for confirmation of many runs.
+
+    Raises
+    ------
+    UserError
+        This is not a terminal to ask at.
+    """
+    if not (sys.stdin.isatty() and console.is_terminal):
+        what = f"{n_runs} runs are pending, and cannot ask for confirmation: not a terminal"
+        raise UserError.of(what, "add --yes, or use fewer trials or seeds")
+    try:
+        return console.input("Continue? [y/N] ", markup=False).strip().lower() in {"y", "yes"}
+    except EOFError:
+        return False

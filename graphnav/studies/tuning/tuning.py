@@ -1,0 +1,146 @@
+"""A checked tuning: its rivals, and the study of any batch of their trials."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from graphnav.core.catalog import Catalog
+from graphnav.core.errors import Place, UserError
+from graphnav.core.graph import Override, Target
+from graphnav.core.machine.extras import install_command
+from graphnav.core.stage import Better
+from graphnav.studies.ablation.plan import CheckedStudy, check_study, with_versions
+from graphnav.studies.ablation.study import Axis, Choice, Study
+from graphnav.studies.tuning.request import TuningRequest
+from graphnav.studies.tuning.rivals import Rival, rivals_of
+from graphnav.studies.tuning.trial import Trial
+
+_SAMPLER = "optuna"
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Rivals that can be tuned."""
+
+    request: TuningRequest
+    study: Study
+    checked: CheckedStudy
+    """The rivals as they are."""
+    rivals: tuple[Rival, ...]
+    catalog: Catalog
+    command: str
+
+    @property
+    def metrics(self) -> Mapping[str, Better]:
+        """The metrics to tune for, and which values are better."""
+        return {metric: self.checked.plan.better(metric) for metric in self.checked.plan.metrics}
+
+    @property
+    def n_runs(self) -> int:
+        """The number of runs."""
+        return sum(self.n_trials(rival) for rival in self.rivals) * self.runs_per_trial
+
+    @property
+    def worlds(self) -> tuple[tuple[str, int], ...]:
+        """Graph and seed of every run of a trial."""
+        plan = self.checked.plan
+        return tuple((case.graph, seed) for case in plan.cases if case.is_base for seed in plan.seeds_of(case))
+
+    @property
+    def runs_per_trial(self) -> int:
+        """The number of runs of each trial."""
+        return len(self.worlds)
+
+    def n_trials(self, rival: Rival) -> int:
+        """Return the number of trials of a rival: one where nothing of it is searched."""
+        return self.request.trials if rival.space else 1
+
+    def settings(self) -> dict[str, Any]:
+        """Return all that decides what is tried; the number of trials may grow."""
+        plan = self.checked.plan
+        return {
+            "graphs": list(plan.graphs),
+            "rivals": {rival.label: [override.words for override in rival.overrides] for rival in self.rivals},
+            "search": {rival.label: [searched.text for searched in rival.space] for rival in self.rivals},
+            "set": [override.words for override in self.study.overrides],
+            "seeds": list(self.study.seeds),
+            "worlds": Counter(graph for graph, _ in self.worlds),
+            "metrics": list(plan.metrics),
+            "sampler": f"TPE of {_SAMPLER} {version(_SAMPLER)}, seed {self.request.sampler_seed}",
+            "versions": dict(plan.versions),
+        }
+
+    def batch(self, trials: Sequence[Trial]) -> tuple[CheckedStudy | None, dict[str, str]]:
+        """Return the study of trials, None if there is none to run, and why parameters are refused, by label."""
+        refused: dict[str, str] = {}
+        choices = {label_of(trial): self._choice(trial) for trial in trials}
+        try:
+            return self._checked(choices.values()), refused
+        except UserError:
+            for label, choice in choices.items():
+                try:
+                    self._checked([choice])
+                except UserError as error:
+                    refused[label] = error.problems[0].what
+        fine = [choice for label, choice in choices.items() if label not in refused]
+        return self._checked(fine) if fine else None, refused
+
+    def _checked(self, choices: Any) -> CheckedStudy:
+        [axis] = self.study.axes
+        study = replace(self.study, axes=(Axis(axis.name, tuple(choices), axis.place),))
+        checked = check_study(study, self.catalog, self.command, self.request.plugins)
+        return replace(checked, plan=with_versions(checked.plan))
+
+    def _choice(self, trial: Trial) -> Choice:
+        rival = next(rival for rival in self.rivals if rival.label == trial.rival)
+        return Choice(label_of(trial), (*rival.overrides, *overrides_of(trial)))
+
+
+def overrides_of(trial: Trial) -> tuple[Override, ...]:
+    """Return what a trial sets."""
+    place = Place(label_of(trial))
+    return tuple(Override(Target.parse(name, place), value, place) for name, value in trial.params.items())
+
+
+def label_of(trial: Trial) -> str:
+    """Return the label of a trial in its batch."""
+    return f"{trial.rival} trial {trial.number}"
+
+
+def optuna_missing(who: str) -> UserError | None:
+    """Return the error of a missing Optuna, None where it is installed."""
+    try:
+        version(_SAMPLER)
+    except PackageNotFoundError:
+        return UserError.of(f"{who} needs Optuna", install_command("tune"))
+    return None
+
+
+def check_tuning(request: TuningRequest, catalog: Catalog, command: str) -> Tuning:
+    """Check the graphs of all rivals, and find what is searched.
+
+    Raises
+    ------
+    UserError
+        Everything that is wrong with the request and its graphs, or Optuna is not installed.
+    """
+    if missing := optuna_missing("graphnav tune"):
+        raise missing
+    study = request.study()
+    checked = check_study(study, catalog, command, request.plugins)
+    checked = replace(checked, plan=with_versions(checked.plan))
+    rivals = rivals_of(study, checked, request.searches)
+    if not any(rival.space for rival in rivals):
+        hint = "name ranges: --search plane.threshold_px=0.05:2"
+        raise UserError.of("the rivals have no parameter that could be searched", hint)
+    return Tuning(request, study, checked, rivals, catalog, command)
+
+
+def named_after(names: Sequence[str]) -> str:
+    """Return the name of a tuning's folder."""
+    return "_".join(Path(name).stem for name in names)[:60]

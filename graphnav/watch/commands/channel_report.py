@@ -1,0 +1,114 @@
+"""Base of ``hz`` and ``bw``: listen to one or all channels, report once a second and at the end."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from graphnav.core.cli.options import (
+    add_channel_and_feed,
+    add_trust_option,
+    add_types_option,
+    catalog_of,
+    channel_and_feed,
+    load_types_of,
+    seconds,
+)
+from graphnav.core.cli.status import OK
+from graphnav.watch.commands.listening import ReportTimes, Timeout, add_timeout_option
+
+if TYPE_CHECKING:
+    from graphnav.core.cli.tables import TextTable
+    from graphnav.watch.spy import ChannelTraffic, Feed, Traffic
+
+_JSON_S = 2.5
+
+
+def add_arguments(parser: argparse.ArgumentParser, keys: str) -> None:
+    """Declare the arguments; ``keys`` documents the JSON keys of a channel."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = (
+        f'--json prints {{"feed": ..., "dropped_packets": N, "channels": {{NAME: {{...}}}}}}; of each channel:\n{keys}'
+    )
+    add_channel_and_feed(parser)
+    add_timeout_option(parser)
+    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help=f"print one JSON document at the end, for programs; --for then defaults to {_JSON_S:g} s",
+    )
+    add_types_option(parser)
+    add_trust_option(parser)
+
+
+def report(
+    args: argparse.Namespace,
+    line: Callable[[ChannelTraffic], str],
+    table: Callable[[Traffic], TextTable],
+    as_json: Callable[[ChannelTraffic], dict[str, Any]],
+) -> int:
+    """Run a command that prints a line for one channel, a table of all, or either as JSON.
+
+    Raises GraphnavError where nothing was received, or nothing for as long as ``--timeout`` allows, UserError where a
+    run is received that has no such channel.
+    """
+    from graphnav.core.cli.tables import print_table
+    from graphnav.core.notices import print_notice
+    from graphnav.watch.commands.listening import complete
+    from graphnav.watch.spy import MAX_CHANNELS, Feed, Traffic
+
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
+    name, source = channel_and_feed(args)
+    feed = complete(Feed(source), catalog, args.plugins, None if name is None else [name])
+    traffic = Traffic(feed.clock, name)
+    for_s = _JSON_S if args.json and args.for_s is None else args.for_s
+    times, timeout = ReportTimes(for_s), Timeout(args.timeout_s, feed, traffic, name)
+    for received in feed.listen(for_s):
+        if received is not None:
+            traffic.receive(received)
+            if name in {None, received.channel}:
+                timeout.note()
+            if name is None and traffic.overflow == 1:
+                print_notice(f"only the first {MAX_CHANNELS} channels are measured")
+            continue
+        if name is not None:
+            traffic.check(name, feed)
+        timeout.check()
+        if args.json or not times.is_due():
+            continue
+        if name is None and traffic.channels:
+            print_table(table(traffic))
+        elif name is not None and name in traffic.channels and traffic.channels[name].count:
+            print(line(traffic.channels[name]), flush=True)
+    if name is not None:
+        channels = {name: traffic.find(name, feed, for_s)}
+    elif not traffic.channels:
+        raise feed.silence(for_s)
+    else:
+        channels = traffic.channels
+    _print_end(args, feed, channels, line, table(traffic) if name is None else None, as_json)
+    return OK
+
+
+def _print_end(
+    args: argparse.Namespace,
+    feed: Feed,
+    channels: Mapping[str, ChannelTraffic],
+    line: Callable[[ChannelTraffic], str],
+    table: TextTable | None,
+    as_json: Callable[[ChannelTraffic], dict[str, Any]],
+) -> None:
+    """Print the last report: of one channel a line, of all a table, either as JSON."""
+    from graphnav.core.cli.tables import print_table
+
+    if args.json:
+        told = {name: as_json(channels[name]) for name in sorted(channels)}
+        print(json.dumps({"feed": feed.name, "dropped_packets": feed.dropped_packets(), "channels": told}))
+    elif table is None:
+        print(*map(line, channels.values()), sep="\n")
+    else:
+        print_table(table)

@@ -1,0 +1,141 @@
+"""``graphnav echo``: print the messages of one channel: as text, JSON lines or CSV."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import (
+    add_feed_argument,
+    add_trust_option,
+    add_types_option,
+    catalog_of,
+    count,
+    load_types_of,
+    seconds,
+)
+from graphnav.core.cli.status import FAILED, OK
+from graphnav.core.errors import shown_name
+from graphnav.core.notices import print_notice
+from graphnav.watch.commands.listening import Timeout, add_timeout_option
+
+if TYPE_CHECKING:
+    from graphnav.watch.spy import Feed, Traffic
+
+_HINT_S = 3.0
+"""A longer silence of the channel is reported, once."""
+
+_EXAMPLES = """\
+examples:
+  graphnav echo control.twist -n 3 --timeout 10
+  graphnav echo robot.state runs/a --field x_m --field y_m --csv > path.csv
+  graphnav echo flow.flow --field 'uv_px[10][20]' --jsonl
+  graphnav echo POSE udpm://239.255.76.67:7667 --types my_lcm_types/
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
+    parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
+    add_feed_argument(parser)
+    parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages")
+    add_timeout_option(parser)
+    parser.add_argument(
+        "--for",
+        dest="for_s",
+        type=seconds,
+        metavar="S",
+        help="end after S seconds (default: Ctrl-C, or when its run ends)",
+    )
+    parser.add_argument(
+        "--field",
+        dest="fields",
+        action="append",
+        default=[],
+        metavar="PATH",
+        help="print only a part of each message: a.b, a[0], a[2:8]; may be repeated",
+    )
+    out = parser.add_mutually_exclusive_group()
+    out.add_argument("--csv", action="store_true", help="print a table: one row per message, one column per number")
+    out.add_argument(
+        "--jsonl", "--json", dest="jsonl", action="store_true", help="print one JSON object per message, for programs"
+    )
+    parser.add_argument("--full", action="store_true", help="print arrays complete instead of summarised")
+    add_types_option(parser)
+    add_trust_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.errors import Place, UserError
+    from graphnav.watch.commands.echo_formats import CsvRows, EchoedMessage, JsonLines, Lines
+    from graphnav.watch.commands.listening import complete
+    from graphnav.watch.spy import Feed, Selection, Traffic, parse_field
+
+    if args.csv and args.full:
+        raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))
+    paths = [parse_field(text) for text in args.fields]
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
+    feed = complete(Feed(args.feed), catalog, args.plugins, [args.channel])
+    traffic = Traffic(feed.clock, args.channel)
+    form = Lines if not args.jsonl else JsonLines
+    printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)
+    wait = _Wait(args, feed, traffic)
+    for received in feed.listen(args.for_s):
+        if received is None:
+            traffic.check(args.channel, feed)
+            if wait.is_over():
+                break
+            continue
+        channel = traffic.receive(received)
+        if received.channel == args.channel:
+            values = channel.values if channel.decodes else None
+            wait.note(printer.show(EchoedMessage(received, channel.type_name, channel.lcm_class, values)))
+            if wait.n_printed == args.count:
+                break
+    else:
+        traffic.find(args.channel, feed, args.for_s)
+    printer.close()
+    return FAILED if wait.is_cut_short else OK
+
+
+class _Wait:
+    """Waits for the messages of a live channel: until ``--timeout``, or until the run that sends it has ended."""
+
+    def __init__(self, args: argparse.Namespace, feed: Feed, traffic: Traffic) -> None:
+        self.n_printed = 0
+        self.is_cut_short = False
+        """Whether the run ended before there were as many messages as ``-n`` asks for."""
+        self._args, self._feed, self._traffic = args, feed, traffic
+        self._timeout = Timeout(args.timeout_s, feed, traffic, args.channel)
+        self._is_told = False
+
+    def note(self, n_printed: int) -> None:
+        """Note that a message was received, of which so much was printed."""
+        self.n_printed += n_printed
+        self._timeout.note()
+
+    def is_over(self) -> bool:
+        """Return whether nothing more will come; tell once that nothing has come yet.
+
+        Raises
+        ------
+        GraphnavError
+            No message of the channel came for as long as ``--timeout`` says.
+        """
+        if not self._feed.is_live:
+            return False
+        self._timeout.check()
+        name = self._args.channel
+        if run_id := self._traffic.ended_run(name, time.monotonic()):
+            print_notice(f"run {shown_name(run_id)} has ended after {self.n_printed} messages on {shown_name(name)}")
+            self.is_cut_short = self._args.count is not None
+            return True
+        if not self._is_told and not self.n_printed and self._timeout.waited_s >= _HINT_S:
+            self._is_told = True
+            print_notice(f"{self._traffic.silence(name, self._feed, _HINT_S)}\n  waiting for it; Ctrl-C exits")
+        return False

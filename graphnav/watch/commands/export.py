@@ -1,0 +1,89 @@
+"""``graphnav export``: write a log as video, pictures, tables, or a file for Foxglove or Rerun."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from graphnav.core.cli.options import add_trust_option, add_types_option, catalog_of, load_types_of
+from graphnav.core.cli.spans import add_span_options
+from graphnav.core.cli.status import OK
+from graphnav.core.notices import print_notice
+
+FORMATS = {
+    "mp4": "the panels as a video; with --channel the pictures of that channel",
+    "images": "the images of a channel, unchanged: a folder of .pgm or .ppm files, named by their stamps in us",
+    "csv": "scalars: a folder with a table for each channel; with --channel one file",
+    "parquet": "the same with the types of the fields (extra: parquet)",
+    "mcap": "for Foxglove: pictures, scalars to plot, map, path, log (extra: foxglove)",
+    "rrd": "for Rerun: the same, with a layout (extra: rerun)",
+}
+"""Every format of `graphnav.watch.export` and its help."""
+
+
+_EXAMPLES = """\
+examples:
+  graphnav export runs/a --to mcap -o a.mcap
+  graphnav export runs/a --to csv -o tables
+  graphnav export runs/a --to images --channel robot.image -o frames
+  graphnav export runs/a --to csv --channel control.twist -o twist.csv
+  graphnav export runs/a --to mp4 --channel plane.plane --from 10s --until 20s -o plane.mp4
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = "\n".join(["formats:", *(f"  {name:<9}{text}" for name, text in FORMATS.items()), "", _EXAMPLES])
+    parser.add_argument("run", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
+    parser.add_argument("--to", dest="kind", choices=FORMATS, required=True, help="the format, see below")
+    parser.add_argument(
+        "-o",
+        dest="target",
+        type=Path,
+        metavar="FILE",
+        required=True,
+        help="the file, or the folder of pictures or tables",
+    )
+    parser.add_argument(
+        "--channel",
+        dest="channels",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="only this channel, or those of a pattern ('robot.*'); may be given several times",
+    )
+    add_span_options(parser)
+    parser.add_argument("--force", action="store_true", help="replace existing files")
+    add_types_option(parser)
+    add_trust_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command: export, list the files and the losses."""
+    from graphnav.core.cli.opened_log import damage_told, opened
+    from graphnav.core.cli.progress import progress_bar
+    from graphnav.core.machine.console import Console
+    from graphnav.core.record import find_log
+    from graphnav.core.runner.recording.log_forecast import size_text
+    from graphnav.watch.export import Selection, duration_s, export_log
+
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
+    selection = Selection(tuple(args.channels), args.from_s, args.until_s)
+    with opened(find_log(args.run), catalog, args.plugins) as recording, damage_told(recording):
+        until_s = min(duration_s(recording), selection.until_s)
+        with progress_bar(Console(stderr=True), f"export {args.kind}", until_s) as show:
+            done = export_log(
+                recording,
+                args.kind,
+                args.target,
+                selection,
+                force=args.force,
+                catalog=catalog,
+                on_time=lambda at_s: show(round(at_s * 1e6)),
+            )
+    print(f"{args.target}: {done.contents}, {size_text(done.n_bytes)}")
+    for loss in done.losses:
+        print_notice(loss)
+    return OK

@@ -1,0 +1,83 @@
+"""When a command that listens reports, and when it gives up."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import seconds
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+    from pathlib import Path
+
+    from graphnav.core.catalog import Catalog
+    from graphnav.watch.spy import Feed, Traffic
+
+_EVERY_S = 1.0
+
+
+def complete(feed: Feed, catalog: Catalog, plugins: Sequence[Path], channels: Collection[str] | None = None) -> Feed:
+    """Open the log of a feed, if it is one, with what it leaves out of ``channels``, None for all; return the feed."""
+    from graphnav.core.cli.opened_log import opened
+
+    if not feed.is_live:
+        feed.recording = opened(feed.path, catalog, plugins, channels)
+    return feed
+
+
+def add_timeout_option(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--timeout``, for `Timeout`."""
+    parser.add_argument(
+        "--timeout",
+        dest="timeout_s",
+        type=seconds,
+        metavar="S",
+        help="end with status 1 if no message of the channel arrives for S seconds (default: wait)",
+    )
+
+
+class Timeout:
+    """Ends a command by an error if nothing arrives for as long as ``--timeout`` allows; a log is never waited for.
+
+    ``name``: the channel, None for any.
+    """
+
+    def __init__(self, timeout_s: float | None, feed: Feed, traffic: Traffic, name: str | None) -> None:
+        self._timeout_s = timeout_s if feed.is_live else None
+        self._feed, self._traffic, self._name = feed, traffic, name
+        self._since_s = time.monotonic()
+
+    def note(self) -> None:
+        """Note that a message has arrived."""
+        self._since_s = time.monotonic()
+
+    @property
+    def waited_s(self) -> float:
+        """Time since the last message, or since the start."""
+        return time.monotonic() - self._since_s
+
+    def check(self) -> None:
+        """Raise GraphnavError if no message has arrived for too long."""
+        if self._timeout_s is None or self.waited_s < self._timeout_s:
+            return
+        if self._name is None:
+            raise self._feed.silence(self._timeout_s)
+        raise self._traffic.silence(self._name, self._feed, self._timeout_s)
+
+
+class ReportTimes:
+    """Once a second, but not in the half second before the final report. ``for_s``: None for no end."""
+
+    def __init__(self, for_s: float | None) -> None:
+        self._last_s = time.monotonic()
+        self._end_s = None if for_s is None else self._last_s + for_s
+
+    def is_due(self) -> bool:
+        """Whether to print now; the next report is one second after it."""
+        now_s = time.monotonic()
+        if now_s - self._last_s < _EVERY_S or (self._end_s is not None and self._end_s - now_s < _EVERY_S / 2):
+            return False
+        self._last_s = now_s
+        return True

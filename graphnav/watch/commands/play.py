@@ -1,0 +1,127 @@
+"""``graphnav play``: publish the messages of a log again."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import (
+    add_channel_options,
+    add_trust_option,
+    add_url_option,
+    channels_of,
+    positive,
+    url_of,
+)
+from graphnav.core.cli.quantities import counted, log_time
+from graphnav.core.cli.status import FAILED, OK
+from graphnav.core.cli.status_line import StatusLine
+from graphnav.core.errors import shown_name
+
+if TYPE_CHECKING:
+    from graphnav.core.record import Recording
+    from graphnav.watch.player import EventSelection, Player
+
+_EXAMPLES = """\
+examples:
+  graphnav play runs/corridor_ccw-1                      at the recorded pace, on this machine's group
+  graphnav play drive.lcmlog --start 12.3s --end 20s --speed 0.5 --loop
+  graphnav play drive.lcmlog -c 'robot.*' --url udpm://239.255.1.1:7667
+
+In a terminal keys pause, step and seek. Nothing leaves this machine unless the URL says ttl=1 or more.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
+    parser.add_argument("log", metavar="LOG", type=Path, help="a log, also of lcm-logger, or a run folder")
+    parser.add_argument("--speed", type=positive, default=1.0, metavar="X", help="speed factor (default: 1)")
+    parser.add_argument(
+        "--start", type=log_time, default=0.0, metavar="TIME", help="start of the playback, such as 12.3s"
+    )
+    parser.add_argument("--end", type=log_time, metavar="TIME", help="end of the playback, such as 20s or 2min")
+    parser.add_argument("--loop", action="store_true", help="restart at the end, until Ctrl-C")
+    add_channel_options(parser)
+    add_url_option(parser)
+    add_trust_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.bus import Bus
+    from graphnav.core.catalog import Catalog
+    from graphnav.core.cli.foreground_keyboard import open_keyboard
+    from graphnav.core.cli.opened_log import opened
+    from graphnav.core.cli.trust import trust_of
+    from graphnav.core.notices import print_notice
+    from graphnav.core.record import find_log
+    from graphnav.watch.player import PlaybackClock, Player, select_events
+    from graphnav.watch.player.player import HELP
+
+    channels = channels_of(args)
+    url = url_of(args)
+    with opened(find_log(args.log), Catalog(trust_of(args))) as recording:
+        selection = select_events(recording, channels, args.start, args.end)
+        _tell(recording, selection)
+        bus = Bus(url)
+        status = StatusLine()
+
+        def notice(text: str) -> None:
+            status.clear()
+            print_notice(text)
+
+        player = Player(
+            selection,
+            recording.at,
+            bus.send,
+            PlaybackClock(args.speed),
+            loop=args.loop,
+            notice=notice,
+            show=lambda: status.show(_status(player, selection)),
+        )
+        what = f"{counted(len(selection.numbers), 'message')} on {counted(len(selection.channels), 'channel')}"
+        length_s = (selection.end_us - selection.begin_us) / 1e6
+        print(f"playing {recording.path}: {what}, {length_s:.1f} s, {args.speed:g}x\n  on {url}", flush=True)
+        begin_s = time.monotonic()
+        try:
+            with open_keyboard() as (keyboard, has_keys), status:
+                if has_keys:
+                    print(HELP, flush=True)
+                player.play(keyboard)
+        finally:
+            bus.close()
+            print(f"{counted(player.n_played, 'message')} played in {time.monotonic() - begin_s:.1f} s")
+    if player.n_refused:
+        print_notice(f"not published: {counted(player.n_refused, 'message')}: {shown_name(player.refusal)}")
+    return FAILED if player.n_refused and not player.n_played else OK
+
+
+def _tell(recording: Recording, selection: EventSelection) -> None:
+    """Say what is damaged, and what would move a robot that listens."""
+    from graphnav.core.notices import print_notice
+    from graphnav.watch.player import motor_channels
+
+    if notice := recording.damage_notice():
+        print_notice(notice)
+    motors = {channel: ref for channel, ref in motor_channels(recording).items() if channel in selection.channels}
+    for channel, ref in motors.items():
+        name = shown_name(channel)
+        print_notice(
+            f"'{name}' is a motor channel ({shown_name(ref)}): a listening robot will move\n"
+            f"  exclude it with --invert --channel '{name}'"
+        )
+
+
+def _status(player: Player, selection: EventSelection) -> str:
+    pace = player.pace
+    at_us = min(max(pace.at_us, selection.begin_us), selection.end_us)
+    state = "paused " if pace.is_paused else "playing"
+    behind = f"  {player.behind_s:.1f} s behind" if player.behind_s else ""
+    return (
+        f"{state}  {at_us / 1e6:.1f} of {selection.end_us / 1e6:.1f} s  {pace.speed_ratio:g}x  "
+        f"{counted(player.n_played, 'message')}{behind}"
+    )

@@ -1,0 +1,145 @@
+"""``graphnav record``: record LCM channels into a self-describing log."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import (
+    add_channel_options,
+    add_types_option,
+    channels_of,
+    count,
+    load_types_of,
+    seconds,
+)
+from graphnav.core.cli.quantities import counted, size, split
+from graphnav.core.cli.status import FAILED, OK
+from graphnav.core.cli.status_line import StatusLine
+from graphnav.core.errors import Place, UserError
+
+if TYPE_CHECKING:
+    from graphnav.core.runner.interrupt import Interrupt
+    from graphnav.watch.recorder import Recorder
+
+_LOOK_S = 0.1
+_STATUS_S = 0.5
+_EXAMPLES = """\
+examples:
+  graphnav record -o drive.lcmlog                        until Ctrl-C
+  graphnav record -c 'robot.*' -c control.twist --for 60
+  graphnav record udpm://239.255.1.1:7667 --split 1GB --rotate 10 --quota 5GB
+
+graphnav.about, the description of a run, is always recorded, as the first message, whatever the filters are.
+The definitions of the types of --types are added to it, so that the log decodes alone.
+lcm-logplayer and 'graphnav play' play the log. Ctrl-C, SIGTERM and SIGHUP end the recording.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
+    parser.add_argument(
+        "url", nargs="?", metavar="URL", help="where to listen, udpm://... (default: where runs are tapped)"
+    )
+    parser.add_argument(
+        "-o", dest="path", type=Path, metavar="FILE", help="the log (default: record-DATE-TIME.lcmlog in this folder)"
+    )
+    parser.add_argument("--force", action="store_true", help="replace an existing file; with --split, all its parts")
+    add_channel_options(parser)
+    parser.add_argument(
+        "--split", type=split, metavar="SIZE|TIME", help="begin a new file every 100MB, 60s: FILE.0000.lcmlog, ..."
+    )
+    parser.add_argument("--rotate", type=count, metavar="N", help="keep only the newest N files; needs --split")
+    parser.add_argument(
+        "--quota", type=size, metavar="SIZE", help="end when the free space of the disk falls below this (100MB, 5GB)"
+    )
+    add_types_option(parser)
+    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.codec import lcm_text_of
+    from graphnav.core.lcm_url import lcm_url
+    from graphnav.core.notices import print_notice
+    from graphnav.core.runner.interrupt import Interrupt
+    from graphnav.watch.commands.record_summary import print_recorded
+    from graphnav.watch.recorder import buffer_notice
+
+    types = load_types_of(args)
+    if args.rotate is not None and args.split is None:
+        raise UserError.of("only one file is written", "add --split SIZE, or remove it", Place("--rotate"))
+    path = args.path or Path(f"record-{datetime.now(UTC).astimezone():%Y%m%d-%H%M%S}.lcmlog")
+    url = lcm_url(("URL", args.url))
+    if notice := buffer_notice(url):
+        print_notice(notice)
+    with Interrupt() as interrupt:
+        recorder = _opened(args, url, path, lcm_text_of(types.values()))
+        print(f"recording to {recorder.files.paths[0]}; Ctrl-C ends it\n  from {url}", flush=True)
+        recorder.start()
+        try:
+            _watch(recorder, interrupt, args.for_s)
+        finally:
+            interrupt.settle()
+            recorder.close()
+    print_recorded(recorder, url)
+    return FAILED if recorder.failure else OK
+
+
+def _opened(args: argparse.Namespace, url: str, path: Path, definitions: str) -> Recorder:
+    """Return a recorder whose log is open; raise UserError if the file exists or cannot be written."""
+    from graphnav.core.notices import print_notice
+    from graphnav.core.record.find_log import files_of, parts_of
+    from graphnav.core.record.log_files import LogFiles
+    from graphnav.watch.recorder import Recorder
+
+    channels = channels_of(args)
+    existing = files_of(path) if args.split is not None else [part for part in parts_of(path) if part.exists()]
+    if existing and not args.force:
+        hint = "name another file with -o, or replace it with --force"
+        raise UserError.of(f"{existing[0]} already exists", hint, Place("-o"))
+    try:
+        for old in existing:
+            if old != path:
+                old.unlink()
+        return Recorder(
+            url,
+            path,
+            channels,
+            lambda first: LogFiles(first, args.split, args.rotate, args.quota),
+            print_notice,
+            definitions,
+        )
+    except OSError as error:
+        raise UserError.of(f"cannot write {path}: {error.strerror}", "name another file", Place("-o")) from error
+
+
+def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> None:
+    """Show the progress until the end, or until a write fails."""
+    from graphnav.core.runner.recording.log_forecast import size_text
+    from graphnav.watch.commands.record_summary import losses
+
+    begin_s = shown_s = time.monotonic()
+    end_s = begin_s + for_s if for_s is not None else math.inf
+    shown_bytes = 0
+    with StatusLine() as status:
+        while not interrupt.asked and not recorder.failure and (left_s := end_s - time.monotonic()) > 0:
+            interrupt.wait(min(left_s, _LOOK_S))
+            now_s = time.monotonic()
+            if now_s - shown_s < _STATUS_S:
+                continue
+            recorder.look()
+            statistics = recorder.statistics
+            rate = (statistics.n_bytes - shown_bytes) / (now_s - shown_s)
+            shown_s, shown_bytes = now_s, statistics.n_bytes
+            status.show(
+                f"{now_s - begin_s:.1f} s  {counted(statistics.n_messages, 'message')} on "
+                f"{counted(len(statistics.channels), 'channel')}  "
+                f"{size_text(statistics.n_bytes)}  {size_text(rate)}/s  {'; '.join(losses(recorder)) or 'nothing lost'}"
+            )

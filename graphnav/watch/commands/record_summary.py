@@ -1,0 +1,55 @@
+"""Print the summary of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.quantities import counted
+from graphnav.core.codec import lcm_name, type_of
+from graphnav.core.errors import shown_name
+from graphnav.core.runner.recording.log_forecast import size_text
+
+if TYPE_CHECKING:
+    from graphnav.watch.recorder import Recorder
+
+_MAX_ROWS = 100
+
+
+def losses(recorder: Recorder) -> Iterator[str]:
+    """Yield the losses by cause, if there are any."""
+    if lost := recorder.statistics.lost:
+        yield f"{counted(lost, 'message')} lost (missing sequence numbers)"
+    if recorder.dropped_packets:
+        yield f"{counted(recorder.dropped_packets, 'packet')} dropped by the kernel"
+    if recorder.dropped:
+        yield f"{counted(recorder.dropped, 'message')} not written"
+    if recorder.unnamed:
+        yield f"{counted(recorder.unnamed, 'message')} on a channel without a name"
+
+
+def print_recorded(recorder: Recorder, url: str) -> None:
+    """Print a table of the channels, the losses and the files."""
+    from graphnav.core.cli.tables import TextTable, print_table
+
+    statistics = recorder.statistics
+    if not statistics.n_messages:
+        print(f"no message on {url}")
+    else:
+        table = TextTable("channel", "type", "messages", "size", "lost")
+        for name in sorted(statistics.channels)[:_MAX_ROWS]:
+            channel = statistics.channels[name]
+            lcm_class = type_of(channel.fingerprint)
+            kind = lcm_name(lcm_class) if lcm_class is not None else f"unknown, {channel.fingerprint.hex()}"
+            lost = f"{channel.gaps.lost:,}" if channel.gaps is not None else ""
+            table.add_text(shown_name(name), kind, f"{channel.n_messages:,}", size_text(channel.n_bytes), lost)
+        print_table(table)
+        if (n_more := len(statistics.channels) - _MAX_ROWS) > 0:
+            print(f"and {counted(n_more, 'more channel')}")
+        if statistics.others.n_messages:
+            print(f"and {counted(statistics.others.n_messages, 'message')} on further channels")
+    said = "; ".join(losses(recorder)) or "nothing lost"
+    print(f"{counted(statistics.n_messages, 'message')}, {size_text(statistics.n_bytes)}; {said}")
+    files = recorder.files.paths
+    names = str(files[0]) if len(files) == 1 else f"{files[0]} to {files[-1].name} ({len(files)} files)"
+    print(f"{names}: {size_text(sum(file.stat().st_size for file in files if file.exists()))}")

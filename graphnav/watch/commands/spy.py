@@ -1,0 +1,134 @@
+"""``graphnav spy``: show the channels of a live run or a log, full screen if possible, else as a list."""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import json
+import os
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import (
+    add_feed_argument,
+    add_trust_option,
+    add_types_option,
+    catalog_of,
+    load_types_of,
+    seconds,
+)
+from graphnav.core.cli.status import OK
+
+if TYPE_CHECKING:
+    from graphnav.core.catalog import Catalog
+    from graphnav.core.machine.console import Console
+    from graphnav.watch.spy import Feed, Traffic
+
+_REFRESH_S = 0.5
+_PRINT_S = 2.0
+_HINT_S = 3.0
+"""A longer silence of the group is reported, once."""
+_PLAIN_TERMINALS = {"dumb", "unknown", ""}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_feed_argument(parser)
+    parser.add_argument(
+        "--once", action="store_true", help="listen for a while, list the channels with their fields and exit"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
+    parser.add_argument(
+        "--for", dest="for_s", type=seconds, default=2.5, metavar="S", help="how long --once listens (default: 2.5 s)"
+    )
+    parser.add_argument(
+        "--graphics",
+        choices=("auto", "blocks", "sixel", "kitty"),
+        default="blocks",
+        help="pictures on the full screen: half blocks, for every terminal; sixels; the kitty protocol; auto "
+        "queries the terminal for the best, half blocks inside tmux and screen (default: blocks)",
+    )
+    add_types_option(parser)
+    add_trust_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.machine.console import Console
+    from graphnav.watch.commands.listening import complete
+    from graphnav.watch.spy import Feed, Traffic, as_json, as_text, drops_of
+
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
+    feed = complete(Feed(args.feed), catalog, args.plugins)
+    if not (args.once or args.json) and _has_screen():
+        return _full_screen(feed, catalog, args.graphics)
+    traffic = Traffic(feed.clock)
+    console = Console(highlight=False, soft_wrap=True)
+    if feed.is_live and not (args.once or args.json):
+        _watch(feed, traffic, console)
+        return OK
+    for received in feed.listen(args.for_s):
+        if received is not None:
+            traffic.receive(received)
+    if not traffic.channels:
+        raise feed.silence(args.for_s)
+    if args.json:
+        print(json.dumps(as_json(traffic, feed)))
+        return OK
+    heading = f"{feed.name}: {len(traffic.channels)} channels" + (f" in {args.for_s:g} s" if feed.is_live else "")
+    console.print(as_text(traffic, "; ".join([heading, *filter(None, [feed.truncated, drops_of(feed)])])))
+    return OK
+
+
+def _has_screen() -> bool:
+    """Whether this is a terminal for a full screen with keys."""
+    streams = (sys.__stdin__, sys.__stdout__, sys.__stderr__)
+    is_terminal = all(stream is not None and stream.isatty() for stream in streams)
+    return is_terminal and os.environ.get("TERM", "dumb") not in _PLAIN_TERMINALS
+
+
+def _full_screen(feed: Feed, catalog: Catalog, graphics: str) -> int:
+    """Show the feed until the user leaves."""
+    from graphnav.watch.spy.graphics.terminal_colours import has_colours
+
+    if not has_colours():
+        os.environ["NO_COLOR"] = "1"
+    from graphnav.watch.spy.screen import SpyApp, painters, run_app, watch_of
+
+    gc.freeze()  # imported modules stay: the garbage collector need not scan them
+    new_painter = painters(graphics)
+    watch = watch_of(feed)
+    watch.start()
+    try:
+        return run_app(SpyApp(watch, catalog, Path.cwd(), new_painter))
+    finally:
+        watch.close()
+
+
+def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
+    """Show one line per channel until Ctrl-C; reprinted below if the terminal cannot move the cursor up."""
+    from rich.live import Live
+
+    from graphnav.core.notices import print_notice
+    from graphnav.watch.spy import as_text, drops_of
+
+    begin_s, shown_s, is_told = time.monotonic(), 0.0, False
+    with Live(console=console, auto_refresh=False) as live:
+        for received in feed.listen(None):
+            if received is not None:
+                traffic.receive(received)
+                continue
+            if not is_told and not traffic.channels and time.monotonic() - begin_s > _HINT_S:
+                is_told = True
+                print_notice(str(feed.silence(_HINT_S)))
+            if time.monotonic() - shown_s > (_PRINT_S if console.is_dumb_terminal else _REFRESH_S):
+                shown_s = time.monotonic()
+                heading = "; ".join(filter(None, [f"{feed.name}: {len(traffic.channels)} channels", drops_of(feed)]))
+                text = as_text(traffic, heading, with_fields=False)
+                if console.is_dumb_terminal:
+                    console.print(text)
+                else:
+                    live.update(text, refresh=True)

@@ -1,0 +1,132 @@
+"""``graphnav view``: serve a running graph or a log as a web page, or to Foxglove."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from typing import TYPE_CHECKING
+
+from graphnav.core.cli.options import add_feed_argument, add_trust_option, add_types_option, catalog_of, load_types_of
+from graphnav.core.cli.status import OK
+from graphnav.core.errors import UserError
+
+if TYPE_CHECKING:
+    from graphnav.core.catalog import Catalog
+    from graphnav.watch.spy import Feed
+
+_PORT = 7667
+"""The port number of LCM, which uses it for UDP."""
+_FOXGLOVE_PORT = 8765
+"""The default port of Foxglove."""
+_LOOPBACK = "127.0.0.1"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    add_feed_argument(parser)
+    parser.add_argument(
+        "--foxglove",
+        action="store_true",
+        help="serve Foxglove's WebSocket protocol instead of the page (needs the extra 'foxglove')",
+    )
+    parser.add_argument(
+        "--port",
+        type=_port,
+        metavar="N",
+        help=f"TCP port, 0 for a free one ({_PORT}; with --foxglove {_FOXGLOVE_PORT})",
+    )
+    parser.add_argument(
+        "--host",
+        default=_LOOPBACK,
+        metavar="ADDRESS",
+        help=f"address to listen on; any other than {_LOOPBACK} gives other machines access",
+    )
+    parser.add_argument("--open", action="store_true", help="open the page, or Foxglove's, in the browser")
+    add_types_option(parser)
+    add_trust_option(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from graphnav.core.notices import print_notice
+    from graphnav.watch.commands.listening import complete
+    from graphnav.watch.spy import Feed
+    from graphnav.watch.view import is_loopback
+
+    catalog = catalog_of(args)
+    load_types_of(args, catalog)
+    feed = complete(Feed(args.feed), catalog, args.plugins)
+    if feed.is_live:
+        feed.check()
+    serve = _serve_foxglove if args.foxglove else _serve_page
+    port = args.port if args.port is not None else _FOXGLOVE_PORT if args.foxglove else _PORT
+    if not is_loopback(args.host):
+        print_notice(f"anyone who can reach {args.host} can watch: remove --host to serve this machine only")
+    try:
+        serve(feed, catalog, args.host, port, is_opened=args.open)
+    except (OSError, UnicodeError) as error:
+        number = getattr(error, "errno", None) or 0
+        why = os.strerror(number) if number > 0 else getattr(error, "strerror", None) or "not an address"
+        what = f"cannot listen on {args.host}, port {port}: {why}"
+        raise UserError.of(what, "choose another port with --port, 0 for a free one, or another --host") from error
+    return OK
+
+
+def _serve_page(feed: Feed, catalog: Catalog, host: str, port: int, *, is_opened: bool) -> None:
+    """Serve the page until Ctrl-C."""
+    import asyncio
+
+    from graphnav.core.interrupts import plain_ctrl_c
+    from graphnav.watch.view import LiveSource, LogSource, PageServer
+
+    source = LiveSource(feed) if feed.is_live else LogSource(feed.path, feed.open_log())
+    if isinstance(source, LogSource) and not source.n_events:
+        raise feed.silence(None)
+
+    def ready(url: str) -> None:
+        print(f"{feed.name} is shown at {url}  (Ctrl-C exits)", flush=True)
+        if is_opened:
+            _open(url)
+
+    source.start()
+    try:
+        with plain_ctrl_c():
+            asyncio.run(PageServer(source, catalog).serve(host, port, ready))
+    finally:
+        source.close()
+
+
+def _serve_foxglove(feed: Feed, catalog: Catalog, host: str, port: int, *, is_opened: bool) -> None:
+    """Serve Foxglove's protocol until Ctrl-C, SIGTERM or SIGHUP."""
+    import threading
+
+    from graphnav.watch.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer
+
+    source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path, feed.open_log())
+    if isinstance(source, LogPlayer) and not source.n_events:
+        raise feed.silence(None)
+    server = FoxgloveServer(source, catalog)
+
+    def ready(url: str, app_url: str) -> None:
+        print(f"{feed.name} is served to Foxglove at {url}  (Ctrl-C exits)", flush=True)
+        if is_opened:
+            _open(app_url)
+
+    source.start()
+    try:
+        server.serve(host, port, ready, threading.Event())
+    finally:
+        source.close()
+
+
+def _open(url: str) -> None:
+    import webbrowser
+
+    webbrowser.open(url)
+
+
+def _port(text: str) -> int:
+    """Parse a TCP port."""
+    if text.isdecimal() and text.isascii() and int(text) < 65536:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is not a port: write a number from 0 to 65535")

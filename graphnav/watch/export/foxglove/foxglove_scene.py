@@ -1,0 +1,138 @@
+"""The map, the robot and its path as messages for Foxglove's 3D panel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from graphnav.arrays import Doubles
+from graphnav.watch.export.entries import map_colours
+from graphnav.watch.export.entries.entries import Path, Pose, Robot, World
+from graphnav.watch.export.entries.map_solids import PATH_HEIGHT_M, Body, bodies_of, ring, robot_outline
+
+WORLD, ROBOT = "world", "robot"
+"""The frame of the map, and of the robot (x forward, y left)."""
+MAP_TOPIC, ROBOT_TOPIC, PATH_TOPIC, POSE_TOPIC = "/scene/map", "/scene/robot", "/scene/path", "/scene/pose"
+TRANSFORM_TOPIC = "/tf"
+
+_LINE_PX = 3.0
+
+
+def scene_messages(types: Any, entry: World | Robot | Pose | Path, stamp: Any) -> Iterator[tuple[str, Any]]:
+    """Yield topics and messages of an entry; ``types``: the module ``foxglove.messages``, ``stamp``: its Timestamp."""
+    scene = _Scene(types, stamp)
+    if isinstance(entry, World):
+        yield MAP_TOPIC, scene.world(entry)
+    elif isinstance(entry, Robot):
+        yield ROBOT_TOPIC, scene.robot(entry)
+    elif isinstance(entry, Pose):
+        yield from scene.pose(entry)
+    else:
+        yield PATH_TOPIC, scene.path(entry)
+
+
+class _Scene:
+    """Makes messages with the same timestamp."""
+
+    def __init__(self, types: Any, stamp: Any) -> None:
+        self._types, self._stamp = types, stamp
+
+    def world(self, entry: World) -> Any:
+        """Return all bodies and the goal, replacing those of the previous map."""
+        bodies = [body for body in bodies_of(entry.world) if body.kind != map_colours.MOVES]
+        entities = [self._entity(f"body-{index}", WORLD, body) for index, body in enumerate(bodies)]
+        moving = [body for body in bodies_of(entry.world) if body.kind == map_colours.MOVES]
+        entities += [self._entity(f"moving-{index}", _moving_frame(index), body) for index, body in enumerate(moving)]
+        if (goal := ring(entry.world.goal_m)) is not None:
+            lines = [self._line(goal, map_colours.GOAL)]
+            entities.append(self._types.SceneEntity(timestamp=self._stamp, frame_id=WORLD, id="goal", lines=lines))
+        all_before = self._types.SceneEntityDeletion(
+            timestamp=self._stamp, type=self._types.SceneEntityDeletionType.All
+        )
+        return self._types.SceneUpdate(deletions=[all_before], entities=entities)
+
+    def robot(self, entry: Robot) -> Any:
+        """Return the robot and its camera's view on the floor, in the robot frame."""
+        lines = [self._line(points, map_colours.ROBOT) for points in robot_outline(entry.radius_m)]
+        if (seen := ring(entry.footprint_m)) is not None:
+            lines.append(self._line(seen, map_colours.SEEN))
+        entity = self._types.SceneEntity(
+            timestamp=self._stamp, frame_id=ROBOT, id=ROBOT, frame_locked=True, lines=lines
+        )
+        return self._types.SceneUpdate(entities=[entity])
+
+    def pose(self, entry: Pose) -> Iterator[tuple[str, Any]]:
+        """Yield the robot's pose, and the frames of the robot and of moving obstacles."""
+        yield (
+            POSE_TOPIC,
+            self._types.PoseInFrame(
+                timestamp=self._stamp, frame_id=WORLD, pose=self._pose(entry.x_m, entry.y_m, entry.yaw_rad)
+            ),
+        )
+        yield TRANSFORM_TOPIC, self._transform(ROBOT, entry.x_m, entry.y_m, entry.yaw_rad)
+        for index, (x_m, y_m, yaw_rad) in enumerate(entry.moving.reshape(-1, 3).tolist()):
+            if math.isfinite(x_m + y_m + yaw_rad):
+                yield TRANSFORM_TOPIC, self._transform(_moving_frame(index), x_m, y_m, yaw_rad)
+
+    def path(self, entry: Path) -> Any:
+        """Return the path so far, replacing the previous one."""
+        points = np.column_stack([entry.points_m, np.full(len(entry.points_m), PATH_HEIGHT_M)])
+        lines = [self._line(points, map_colours.ROBOT)]
+        entity = self._types.SceneEntity(timestamp=self._stamp, frame_id=WORLD, id="path", lines=lines)
+        return self._types.SceneUpdate(entities=[entity])
+
+    def _entity(self, name: str, frame: str, body: Body) -> Any:
+        colour = map_colours.BODIES.get(body.kind, map_colours.OBSTACLE)
+        points, triangles = body.sides()
+        sides = self._types.TriangleListPrimitive(
+            pose=self._pose(0.0, 0.0, 0.0),
+            points=self._points(points),
+            color=self._colour(colour, 0.6),
+            indices=triangles.ravel().tolist(),
+        )
+        return self._types.SceneEntity(
+            timestamp=self._stamp,
+            frame_id=frame,
+            id=name,
+            frame_locked=body.kind == map_colours.MOVES,
+            triangles=[sides],
+            lines=[self._line(body.ring(0.0), colour), self._line(body.ring(body.height_m), colour)],
+        )
+
+    def _line(self, points: Doubles, colour: tuple[float, float, float]) -> Any:
+        return self._types.LinePrimitive(
+            type=self._types.LinePrimitiveLineType.LineStrip,
+            pose=self._pose(0.0, 0.0, 0.0),
+            thickness=_LINE_PX,
+            scale_invariant=True,
+            points=self._points(points),
+            color=self._colour(colour, 1.0),
+        )
+
+    def _transform(self, frame: str, x_m: float, y_m: float, yaw_rad: float) -> Any:
+        pose = self._pose_parts(x_m, y_m, yaw_rad)
+        return self._types.FrameTransform(
+            timestamp=self._stamp, parent_frame_id=WORLD, child_frame_id=frame, translation=pose[0], rotation=pose[1]
+        )
+
+    def _pose(self, x_m: float, y_m: float, yaw_rad: float) -> Any:
+        position, orientation = self._pose_parts(x_m, y_m, yaw_rad)
+        return self._types.Pose(position=position, orientation=orientation)
+
+    def _pose_parts(self, x_m: float, y_m: float, yaw_rad: float) -> tuple[Any, Any]:
+        turn = self._types.Quaternion(x=0.0, y=0.0, z=math.sin(yaw_rad / 2), w=math.cos(yaw_rad / 2))
+        return self._types.Vector3(x=x_m, y=y_m, z=0.0), turn
+
+    def _points(self, points: Doubles) -> list[Any]:
+        return [self._types.Point3(x=x, y=y, z=z) for x, y, z in points.tolist()]
+
+    def _colour(self, rgb: tuple[float, float, float], opacity: float) -> Any:
+        red, green, blue = rgb
+        return self._types.Color(r=red, g=green, b=blue, a=opacity)
+
+
+def _moving_frame(index: int) -> str:
+    return f"moving_{index}"

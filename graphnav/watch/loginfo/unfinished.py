@@ -1,0 +1,25 @@
+"""Tell that the run of a log did not finish."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from graphnav.core.run_folder import GRAPH, LOG
+from graphnav.core.runner.recording.progress_file import is_running, last_call
+from graphnav.core.runner.recording.summary import SUMMARY
+
+
+def unfinished(log: Path) -> str:
+    """Return that the run of a log did not finish, and its last call into a stage as far as that is known.
+
+    Empty if it finished, or if the log is not that of a run folder.
+    """
+    folder = log.parent
+    if log.name != LOG or not (folder / GRAPH).is_file() or (folder / SUMMARY).is_file():
+        return ""
+    if is_running(folder):
+        return "the run has not finished: its process still runs"
+    call = last_call(folder)
+    return "the run did not finish: its process ended early" + (
+        f"; the last call was {call}" if call is not None else ""
+    )

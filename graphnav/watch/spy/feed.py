@@ -1,0 +1,118 @@
+"""A source of messages: a live multicast group, or a log."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Generator
+from pathlib import Path
+from typing import NamedTuple
+
+from graphnav.core.bus import Bus, require_route, with_defaults
+from graphnav.core.errors import GraphnavError, shown_name
+from graphnav.core.lcm_url import tap_url
+from graphnav.core.record import Recording, find_log
+
+_PATIENCE_S = 0.1
+_AT_ONCE = 1000
+"""The maximum number of messages before control is yielded, so that a busy feed can be interrupted."""
+_MAX_WAITING = 50_000
+"""Messages that LCM queues for a slow listener: bounds memory, whatever is sent."""
+
+
+class Received(NamedTuple):
+    """A received message; ``at_s``: time of arrival or recording, on a clock of any origin."""
+
+    channel: str
+    data: bytes
+    at_s: float
+
+
+class Feed:
+    """A multicast group (``udpm://...``), a log, or a run folder; without a name the group of the tap.
+
+    Raises UserError if the name does not exist, or ``LCM_DEFAULT_URL`` is not usable.
+    """
+
+    def __init__(self, name: str | None) -> None:
+        self.name = name or tap_url()
+        self.is_live = self.name.startswith("udpm:")
+        self.truncated = ""
+        self.recording: Recording | None = None
+        """The log as its user opened it, None to open what stands in the file; it is closed when it was read."""
+        self._bus: Bus | None = None
+        self._dropped_packets = 0
+        if not self.is_live:
+            self.path = find_log(Path(self.name), "name a run folder, a log or a udpm:// URL")
+
+    @property
+    def clock(self) -> Callable[[], float] | None:
+        """The arrival clock; None for a log."""
+        return time.monotonic if self.is_live else None
+
+    @property
+    def epoch_s(self) -> float:
+        """The wall time, seconds since 1970, at which the arrival clock was 0; 0 for a log."""
+        return time.time() - time.monotonic() if self.is_live else 0.0
+
+    def check(self) -> None:
+        """Raise BusError early if a live feed cannot be opened."""
+        require_route(with_defaults(self.name))
+
+    def open_log(self) -> Recording:
+        """Return the log, which the caller closes; raises LogError if it cannot be read."""
+        recording, self.recording = self.recording, None
+        return recording or Recording(self.path)
+
+    def listen(self, for_s: float | None) -> Generator[Received | None]:
+        """Yield messages, for ``for_s`` seconds if live; yields None periodically while no messages arrive."""
+        return self._live(for_s) if self.is_live else self._recorded()
+
+    def dropped_packets(self) -> int:
+        """Return the number of packets dropped by the kernel; 0 for a log."""
+        if self._bus is not None:
+            self._dropped_packets = max(self._dropped_packets, self._bus.dropped_packets())
+        return self._dropped_packets
+
+    def silence(self, for_s: float | None, channel: str | None = None) -> GraphnavError:
+        """Return the error for a feed, or a channel, without messages."""
+        what = f"no message on channel '{shown_name(channel or '')}'"
+        if not self.is_live:
+            return GraphnavError(f"{what} in {self.name}" if channel else f"{self.name} is empty")
+        what = f"{what} of {self.name}" if channel else f"no message on {self.name}"
+        within = f" within {for_s:g} s" if for_s is not None else ""
+        hint = "" if channel else "\n  start a run: graphnav run GRAPH --pace 1"
+        return GraphnavError(what + within + hint)
+
+    def _live(self, for_s: float | None) -> Generator[Received | None]:
+        waiting: deque[Received] = deque()
+        bus = Bus(self.name)
+        bus.subscribe_all(lambda channel, data: waiting.append(Received(channel, data, time.monotonic())), _MAX_WAITING)
+        self._bus = bus
+        end_s = time.monotonic() + for_s if for_s is not None else None
+        try:
+            while (left_s := _PATIENCE_S if end_s is None else end_s - time.monotonic()) > 0:
+                bus.handle(min(left_s, _PATIENCE_S))
+                while len(waiting) < _AT_ONCE and bus.handle(0.0):
+                    pass
+                yield from waiting
+                waiting.clear()
+                yield None
+        finally:
+            self.dropped_packets()
+            self._bus = None
+            bus.close()
+
+    def _recorded(self) -> Generator[Received | None]:
+        with self.open_log() as recording:
+            self.truncated = str(recording.truncated or "")
+            for event in recording.events():
+                yield Received(event.channel, event.data, event.utime / 1e6)
+
+
+def drops_of(feed: Feed) -> str:
+    """Return a phrase about packets dropped by the kernel, empty if there are none."""
+    dropped = feed.dropped_packets()
+    if not dropped:
+        return ""
+    return f"{dropped} packet{'s' if dropped > 1 else ''} dropped by the kernel"

@@ -1,0 +1,187 @@
+"""The health of runs as text."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from graphnav.core.errors import shown_name
+from graphnav.core.messages import Status
+from graphnav.watch.spy.health.health import MAX_RUNS, GuardHealth, Health, RunHealth
+
+_FORGET_S = 10.0
+"""A run that is silent for longer is shown in one line."""
+_INPUT = ("input", "channel", "accepted", "lost", "rate", "age / max", "offset", "fault", "rejected")
+_OUTPUT = ("output", "channel", "", "sent", "refused", "latency p50", "p99", "max", "fault")
+_STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
+_STRINGS = {"stage", "uses", "input", "channel", "output", "fault", "rejected"}
+"""Columns that shrink if a table is too wide; numbers are never cut."""
+_WIDE_COLS = 100
+"""Narrower terminals show fewer columns."""
+_WIDE_ONLY = {_INPUT: {"channel", "offset"}, _OUTPUT: {"channel", "max"}, _STAGE: {"uses", "deadline"}}
+_WRAPPED = {"fault", "rejected"}
+_STOP = "stop"
+"""The guard's cause of a stop that was requested; a stopped robot without it is held by what the guard found."""
+
+
+def health_as_text(health: Health, width_cols: int) -> RenderableType:
+    """Return the newest messages of guards and runs, for a terminal of ``width_cols`` columns, most important first.
+
+    Guards come before the runs, runs with motor outputs before others, inputs and outputs before stages. Silent runs
+    come last, are marked as silent, and their metrics are dim.
+    """
+    parts: list[RenderableType] = [_guard(health, health.guards[channel]) for channel in sorted(health.guards)]
+    for run in sorted(health.runs.values(), key=lambda run: (health.is_silent(run), not _has_motor(run), run.run_id)):
+        parts += _run(health, run, width_cols)
+    if health.has_forgotten:
+        parts.append(Text(f"only the newest {MAX_RUNS} runs and guards are kept"))
+    return Group(*parts)
+
+
+def _has_motor(run: RunHealth) -> bool:
+    return run.status is not None and any(one["motor"] for one in run.status.outputs)
+
+
+def _run(health: Health, run: RunHealth, width_cols: int) -> Iterator[RenderableType]:
+    status, silent_s = run.status, health.silent_s(run) or 0.0
+    heading = Text.assemble(("run ", "bold"), (shown_name(run.run_id), "bold"))
+    if status is not None:
+        heading.append(f"  {shown_name(status.graph)}")
+    if health.is_silent(run) or status is None:
+        heading.append(f"  no status for {silent_s:.1f} s", "bold red")
+    if status is None:
+        yield heading
+        return
+    yield heading.append(f"  {_clock(status)}")
+    if status.log_fault:
+        yield Text(f"not recording: {shown_name(status.log_fault)}", "bold red")
+    if silent_s <= _FORGET_S:
+        yield from _tables(status, "dim" if health.is_silent(run) else "", width_cols)
+
+
+def _clock(status: Status) -> str:
+    mode = "live" if status.live else f"lockstep, {status.run_s:.1f} s simulated"
+    return (
+        f"{mode}, {status.wall_s:.1f} s of wall time, {status.behind_s:.2f} s behind, {status.memory_mb:.0f} MB, "
+        f"dropped: tap {status.tap_dropped}, log {status.log_dropped}"
+    )
+
+
+def _tables(status: Status, style: str, width_cols: int) -> Iterator[RenderableType]:
+    for headings, rows in (
+        (_INPUT, [_input(one) for one in status.inputs]),
+        (_OUTPUT, [_output(one) for one in status.outputs]),
+        (_STAGE, [_stage(one) for one in status.stages]),
+    ):
+        if rows:
+            hidden = _WIDE_ONLY.get(headings, ()) if width_cols < _WIDE_COLS else ()
+            yield _table(headings, rows, style, hidden)
+        if headings is _INPUT:
+            yield from (Text(line, "yellow") for one in status.inputs for line in _details(one))
+    if status.edges:
+        overtaken = ", ".join(f"{shown_name(edge['name'])} {edge['overtaken']}" for edge in status.edges)
+        yield Text(f"overtaken on edges: {overtaken}", style)
+
+
+def _stage(one: Mapping[str, Any]) -> Sequence[Text]:
+    deadline = f"{one['deadline_ms']:.0f} ms" if one["deadline_ms"] else ""
+    return (
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["use"])),
+        Text(f"{one['rate_hz']:.1f} Hz"),
+        _ms(one["p50_ms"]),
+        _ms(one["p99_ms"]),
+        Text(deadline),
+        _count(one["missed"]),
+        _count(one["overtaken"]),
+    )
+
+
+def _input(one: Mapping[str, Any]) -> Sequence[Text]:
+    age = Text("none yet", "red")
+    if one["age_s"] >= 0:
+        age = Text(f"{one['age_s']:.2f} / {one['max_age_s']:.2f} s", "red" if one["age_s"] > one["max_age_s"] else "")
+    rejected = ", ".join(f"{shown_name(why)} {n}" for why, n in zip(one["reasons"], one["rejected"], strict=False))
+    return (
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["channel"])),
+        Text(str(one["accepted"])),
+        _count(one["lost"]),
+        Text(f"{one['rate_hz']:.1f} Hz"),
+        age,
+        Text(f"{one['offset_s']:+.3f} s"),
+        Text(shown_name(one["fault"]), "red") if one["fault"] else Text(shown_name(one["clock"]), "yellow"),
+        Text(rejected, "yellow"),
+    )
+
+
+def _details(one: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a line for each reason of rejections of which the newest was told in detail."""
+    for reason, detail in zip(one["reasons"], one["details"], strict=False):
+        if detail:
+            yield f"{shown_name(one['name'])}, {shown_name(reason)}: {shown_name(detail)}"
+
+
+def _output(one: Mapping[str, Any]) -> Sequence[Text]:
+    return (
+        Text(shown_name(one["name"])),
+        Text(shown_name(one["channel"])),
+        Text("motor" if one["motor"] else ""),
+        Text(str(one["sent"])),
+        _count(one["refused"]),
+        *(_ms(one[f"latency_{name}_ms"]) if one["latency_max_ms"] else Text() for name in ("p50", "p99", "max")),
+        Text(shown_name(one["fault"]), "red"),
+    )
+
+
+def _guard(health: Health, guard: GuardHealth) -> Text:
+    """Return one line for the guard and one per cause."""
+    state = guard.state
+    text = Text.assemble(("guard ", "bold"), (shown_name(guard.channel), "bold"), "  ")
+    if health.is_silent(guard):
+        return text.append(f"no state for {health.silent_s(guard):.1f} s", "bold red")
+    move, advance = ("may move", "green"), ("may turn, not advance", "yellow")
+    text.append(*(("may not move", "bold red") if not state.may_move else move if state.may_advance else advance))
+    text.append(", retries slowly" if state.is_retrying else "", "yellow")
+    if fault := health.motor_fault(guard):
+        text.append(f", but {shown_name(fault)}", "bold red")
+    text.append(", override active" if state.overridden else "")
+    text.append(", stopped until it is armed again" if state.stopped else "")
+    for line in state.described():
+        text.append(f"\n    {shown_name(line)}")
+    if state.stopped and _STOP not in state.causes:
+        text.append("\n    look, then press r in graphnav teleop to let it retry, or drive it by hand", "yellow")
+    return text
+
+
+def _table(headings: Sequence[str], rows: Sequence[Sequence[Text]], style: str, hidden: Collection[str]) -> Table:
+    """Return a table without the columns whose headings are ``hidden``; only sentences are wrapped."""
+    table = Table(
+        box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0), style=style, row_styles=[style]
+    )
+    shown = [number for number, heading in enumerate(headings) if heading not in hidden]
+    for number in shown:
+        heading = headings[number]
+        table.add_column(_unbroken(Text(heading)), no_wrap=heading not in _STRINGS)
+    for row in rows:
+        table.add_row(*(row[n] if headings[n] in _WRAPPED else _unbroken(row[n]) for n in shown))
+    return table
+
+
+def _unbroken(text: Text) -> Text:
+    """Cut a string, with an ellipsis, if its column is too narrow."""
+    text.no_wrap, text.overflow = True, "ellipsis"
+    return text
+
+
+def _ms(value: float) -> Text:
+    return Text(f"{value:.1f} ms")
+
+
+def _count(number: int) -> Text:
+    return Text(str(number), "yellow" if number else "")

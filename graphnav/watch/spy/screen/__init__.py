@@ -1,0 +1,15 @@
+"""The full-screen ``graphnav spy``: a table of channels, and a view of one channel: fields, plots, picture."""
+
+from graphnav.watch.spy.feed import Feed
+from graphnav.watch.spy.screen.app import SpyApp
+from graphnav.watch.spy.screen.painters.choose_painter import painters
+from graphnav.watch.spy.screen.run_app import run_app
+from graphnav.watch.spy.watch.live_watch import LiveWatch
+from graphnav.watch.spy.watch.log_watch import LogWatch
+
+__all__ = ["SpyApp", "painters", "run_app", "watch_of"]
+
+
+def watch_of(feed: Feed) -> LiveWatch | LogWatch:
+    """Return the watch of a feed; raises LogError if a log cannot be read."""
+    return LiveWatch(feed) if feed.is_live else LogWatch(feed)

@@ -1,0 +1,135 @@
+"""Format traffic as text and JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rich.text import Text
+
+from graphnav.core.errors import shown_name
+from graphnav.core.fields.field_summary import declared, described, summarised
+from graphnav.core.fields.plain_values import plain
+from graphnav.watch.spy.feed import Feed
+from graphnav.watch.spy.message_window import Periods
+from graphnav.watch.spy.traffic import MAX_CHANNELS, MAX_RUNS, ChannelTraffic, Traffic
+
+_APART_RATIO = 0.05
+"""Arrival rates that differ by more than this from the rate of the timestamps are shown."""
+
+
+def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
+    """Return the statistics of all channels as JSON-compatible values."""
+    return {
+        "feed": feed.name,
+        "runs": list(traffic.runs),
+        "messages": traffic.count,
+        "undecodable": traffic.undecodable,
+        "overflow": traffic.overflow,
+        "dropped_packets": feed.dropped_packets(),
+        "channels": {name: channel_as_json(traffic.channels[name]) for name in sorted(traffic.channels)},
+    }
+
+
+def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+    """Return the statistics of one channel."""
+    return {
+        **rates_as_json(channel),
+        **sizes_as_json(channel),
+        "undecodable": channel.undecodable,
+        "fields": plain(fields_of_channel(channel)),
+    }
+
+
+def rates_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+    """Return the rates of one channel, by message timestamps and by arrival (``wall``)."""
+    return {
+        **_volume_as_json(channel),
+        "rate_hz": channel.rate_hz,
+        "wall_rate_hz": channel.wall_rate_hz,
+        **_periods_as_json("period", channel.published),
+        **_periods_as_json("wall_period", channel.arriving),
+    }
+
+
+def sizes_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+    """Return the sizes of one channel's messages and their bytes per second."""
+    sizes = channel.sizes if channel.count else None
+    return {
+        **_volume_as_json(channel),
+        "bytes": channel.last_bytes,
+        "bytes_per_s": channel.bytes_per_s,
+        **{name: getattr(sizes, name, None) for name in ("min_bytes", "mean_bytes", "max_bytes")},
+    }
+
+
+def _volume_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+    return {
+        "type": channel.type_name,
+        "messages": channel.count,
+        "lost": channel.lost,
+        "silent_s": channel.silent_s,
+    }
+
+
+def _periods_as_json(prefix: str, periods: Periods | None) -> dict[str, float | None]:
+    return {f"{prefix}_{name}": getattr(periods, name, None) for name in ("min_s", "max_s", "std_s")}
+
+
+def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
+    """Return the statistics of all channels as text; without the fields one line per channel."""
+    lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in traffic.runs)]
+    for name in sorted(traffic.channels):
+        channel = traffic.channels[name]
+        lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(summary_of(channel)), "default"))
+        if with_fields:
+            lines += map(Text, described(fields_of_channel(channel)))
+    if traffic.has_forgotten_runs:
+        lines.append(Text(f"only the newest {MAX_RUNS} runs are kept"))
+    if traffic.overflow:
+        lines.append(Text(f"{traffic.overflow} messages on channels beyond the first {MAX_CHANNELS} were not kept"))
+    return Text("\n").join(lines)
+
+
+def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
+    """Return the fields of a channel's newest message, or their declared types before the first message."""
+    if channel.values is not None:
+        return summarised(channel.values)
+    return declared(channel.lcm_class) if channel.lcm_class is not None else {}
+
+
+def summary_of(channel: ChannelTraffic) -> Iterator[str]:
+    """Yield phrases about one channel: type, amount, rate, size."""
+    yield shown_name(channel.type_name or "unknown type")
+    if channel.is_silent:
+        yield silence_of(channel)
+    elif channel.rate_hz is not None:
+        wall_hz = channel.wall_rate_hz
+        is_apart = wall_hz is not None and abs(wall_hz / channel.rate_hz - 1) > _APART_RATIO
+        yield f"{channel.rate_hz:.2f} Hz" + (f" (arriving at {wall_hz:.2f} Hz)" if is_apart else "")
+    yield from volume(channel)
+
+
+def silence_of(channel: ChannelTraffic) -> str:
+    """Return a phrase about the silence of a channel."""
+    return f"no new messages for {channel.silent_s or 0.0:.1f} s"
+
+
+def volume(channel: ChannelTraffic) -> Iterator[str]:
+    """Yield phrases about the received and missing messages of one channel."""
+    if not channel.count:
+        yield "not received"
+        return
+    yield size_of(channel.last_bytes)
+    yield "1 message" if channel.count == 1 else f"{channel.count} messages"
+    if channel.lost:
+        yield f"{channel.lost} lost"
+    if channel.undecodable:
+        yield f"{channel.undecodable} undecodable"
+
+
+def size_of(n_bytes: int) -> str:
+    """Format a number of bytes with a unit."""
+    return (
+        f"{n_bytes} B" if n_bytes < 1000 else f"{n_bytes / 1000:.1f} kB" if n_bytes < 1e6 else f"{n_bytes / 1e6:.2f} MB"
+    )

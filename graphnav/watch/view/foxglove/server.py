@@ -1,0 +1,138 @@
+"""Serve Foxglove's WebSocket protocol with Foxglove's SDK."""
+
+from __future__ import annotations
+
+import logging
+import socket
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from graphnav.core.catalog import Catalog
+from graphnav.core.errors import UserError
+from graphnav.watch.export.entries.event_lines import outcome_lines
+from graphnav.watch.export.extras import require
+from graphnav.watch.export.foxglove.foxglove_channels import FoxgloveChannels
+from graphnav.watch.view.foxglove.converter import Converter
+from graphnav.watch.view.foxglove.listener import Listener
+from graphnav.watch.view.foxglove.live_feed import LiveFeed
+from graphnav.watch.view.foxglove.log_player import LogPlayer
+from graphnav.watch.view.foxglove.losses import Reason
+from graphnav.watch.view.foxglove.playback import Playback, Status
+from graphnav.watch.view.web.hosts import bracketed
+
+_WAIT_S = 0.05
+_COUNT_S = 1.0
+_BACKLOG = 512
+"""The queue length for a slow client; beyond it the oldest messages are dropped."""
+
+
+class FoxgloveServer:
+    """Serves one feed to Foxglove, or to any other client of the protocol ``foxglove.sdk.v1``.
+
+    Raises UserError if the SDK is not installed.
+    """
+
+    def __init__(self, source: LiveFeed | LogPlayer, catalog: Catalog) -> None:
+        self._source, self._catalog = source, catalog
+        self._player = source if isinstance(source, LogPlayer) else None
+        self._foxglove = require("foxglove", "'--foxglove'")
+        self._websocket = require("foxglove.websocket", "'--foxglove'")
+        log = logging.getLogger("foxglove")
+        log.addHandler(logging.NullHandler())
+        log.propagate = False
+
+    def serve(self, host: str, port: int, ready: Callable[[str, str], None], ending: threading.Event) -> None:
+        """Serve until ``ending`` is set.
+
+        ``ready`` is called with the address to connect to, and that of Foxglove's web app connected to it.
+
+        Raises
+        ------
+        OSError
+            It cannot listen there.
+        UserError
+            The SDK fails for another reason.
+        """
+        context = self._foxglove.Context()
+        converter = Converter(FoxgloveChannels(context), self._catalog, self._source.name)
+        if self._player is not None:
+            _prepare(converter, self._player)
+        listener = Listener(self._websocket, self._player, self._source.arrivals.wake)
+        _probe(host, port)
+        server = self._start(host, port, context, listener)
+        try:
+            ready(f"ws://{bracketed(host)}:{server.port}", server.app_url() or "")
+            self._loop(server, converter, listener, ending)
+        finally:
+            server.stop()
+
+    def _start(self, host: str, port: int, context: Any, listener: Listener) -> Any:
+        is_log = {}
+        if (player := self._player) is not None:
+            ends = (player.begin_us * 1000, (player.begin_us + player.duration_us) * 1000)
+            is_log = {"capabilities": [self._websocket.Capability.Time], "playback_time_range": ends}
+        try:
+            return self._foxglove.start_server(
+                name=f"graphnav {self._source.name}",
+                host=host,
+                port=port,
+                server_listener=listener,
+                context=context,
+                message_backlog_size=_BACKLOG,
+                **is_log,
+            )
+        except RuntimeError as error:
+            raise UserError.of(f"cannot listen on {host}, port {port}: {error}", "choose another --port") from error
+
+    def _loop(self, server: Any, converter: Converter, listener: Listener, ending: threading.Event) -> None:
+        failure = ""
+        sent = self._player.state if self._player is not None else None
+        count_due_s = time.monotonic()
+        while not ending.is_set():
+            if isinstance(self._source, LiveFeed) and (now_s := time.monotonic()) >= count_due_s:
+                count_due_s = now_s + _COUNT_S
+                if n_dropped := self._source.newly_dropped_packets():
+                    converter.losses.add(Reason.DROPPED, n=n_dropped)
+            batch = self._source.arrivals.take(_WAIT_S)
+            converter.show(batch)
+            if topics := listener.new_topics():
+                converter.show_again(topics)
+            if sent is not None:
+                sent = self._tell_playback(server, converter, listener, sent)
+            if self._source.failure != failure:
+                failure = self._source.failure
+                converter.losses.add(Reason.FEED, why=failure)
+
+    def _tell_playback(self, server: Any, converter: Converter, listener: Listener, sent: Playback) -> Playback:
+        """Send clients the time of the log, and its playback state if that has changed."""
+        player = self._player
+        assert player is not None
+        now = player.state
+        server.broadcast_time((player.begin_us + now.at_us) * 1000)
+        answered, listener.sent = listener.sent, None
+        sent = answered or sent
+        if (now.status, now.speed_ratio) != (sent.status, sent.speed_ratio):
+            server.broadcast_playback_state(listener.state_of(now, did_seek=now.jump != sent.jump))
+        if now.status is Status.ENDED and sent.status is not Status.ENDED:
+            converter.tell(outcome_lines(player.recording, player.begin_us, player.begin_us + player.duration_us))
+        return now
+
+
+def _prepare(converter: Converter, player: LogPlayer) -> None:
+    """Offer the channels of a log before it is played, and report its damage."""
+    for name, lcm_class in player.recording.channels.items():
+        if lcm_class is not None:
+            converter.channels.offer(name, lcm_class, player.begin_us)
+    if notice := player.recording.damage_notice():
+        converter.losses.add(Reason.FEED, why=notice)
+
+
+def _probe(host: str, port: int) -> None:
+    """Raise OSError, with its number, if the address cannot be bound: the SDK gives only a string."""
+    family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    with socket.socket(family, kind, protocol) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        probe.bind(address)
+        probe.listen()

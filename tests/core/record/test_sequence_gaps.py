@@ -1,0 +1,63 @@
+"""Losses are counted by sequence numbers, also with several writers and after restarts."""
+
+from __future__ import annotations
+
+import random
+
+import graphnav_lcm
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from graphnav.core.codec import encode, fingerprint
+from graphnav.core.messages import Twist
+from graphnav.core.record import SequenceGaps
+from graphnav.core.record.sequence_gaps import numbered_fingerprints, seq_of
+
+
+def counted(seqs: list[int]) -> tuple[int, int]:
+    """Return the numbers of losses and of restarts."""
+    gaps = SequenceGaps()
+    for seq in seqs:
+        gaps.see(seq)
+    return gaps.lost, gaps.n_restarts
+
+
+@pytest.mark.parametrize(
+    ("seqs", "lost", "restarts"),
+    [
+        ([5], 0, 0),
+        ([5, 6, 7], 0, 0),
+        ([5, 6, 9, 10, 14], 5, 0),
+        ([3, 3, 3], 0, 0),
+        ([500, 501, 0, 1, 3], 1, 1),
+        ([1000, 5, 1001, 6, 1002, 7], 0, 1),
+        ([7, 2**62, 8, 2**62 + 1], 0, 1),
+        ([-5, -4, -2], 1, 0),
+    ],
+)
+def test_what_is_missing_is_counted(seqs: list[int], lost: int, restarts: int) -> None:
+    assert counted(seqs) == (lost, restarts)
+
+
+@settings(derandomize=True, deadline=None)
+@given(n=st.integers(2, 300), seed=st.integers(0, 99), share=st.floats(0, 0.9))
+def test_what_was_left_out_within_is_lost(n: int, seed: int, share: float) -> None:
+    rng = random.Random(seed)
+    heard = [0, *(k for k in range(1, n) if rng.random() >= share), n]
+    assert counted(heard) == (n + 1 - len(heard), 0)
+
+
+@settings(derandomize=True, deadline=None)
+@given(seqs=st.lists(st.integers(-(2**63), 2**63 - 1), min_size=1, max_size=50))
+def test_any_numbers_are_taken(seqs: list[int]) -> None:
+    lost, _ = counted(seqs)
+    assert 0 <= lost <= 1_000_000 * len(seqs)
+
+
+def test_numbers_are_read_where_types_have_them() -> None:
+    assert fingerprint(graphnav_lcm.twist_t) in numbered_fingerprints()
+    assert fingerprint(graphnav_lcm.edge_status_t) not in numbered_fingerprints()
+    data = encode(Twist(0.1, 0.2), 77, 4711)
+    assert seq_of(data) == 4711
+    assert seq_of(data[:23]) is None

@@ -1,0 +1,55 @@
+"""Fixtures of the page tests: the log of a drive, a private group, a server in a thread."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from graphnav.core.record import LogWriter
+from graphnav.watch.spy import Feed
+from graphnav.watch.view import LiveSource, LogSource
+
+from .drive import messages
+from .foxglove_client import FoxgloveServed
+from .served import Served
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """Return a log of a drive of 4 s."""
+    path = tmp_path / "drive.lcmlog"
+    with LogWriter(path) as writer:
+        for channel, utime, data in messages():
+            writer.write(channel, utime, data)
+    return path
+
+
+@pytest.fixture
+def serve() -> Iterator[Callable[[Path | str], Served]]:
+    """Return a function that serves a log or a group until the end of the test."""
+    served: list[Served] = []
+
+    def begin(name: Path | str) -> Served:
+        feed = Feed(str(name))
+        served.append(Served(LiveSource(feed) if feed.is_live else LogSource(feed.path)))
+        return served[-1]
+
+    yield begin
+    for one in served:
+        one.close()
+
+
+@pytest.fixture
+def serve_foxglove() -> Iterator[Callable[[Path | str], FoxgloveServed]]:
+    """Return a function that serves a log or a group to Foxglove until the end of the test."""
+    with ExitStack() as served:
+
+        def begin(name: Path | str) -> FoxgloveServed:
+            one = FoxgloveServed(str(name))
+            served.callback(one.close)
+            return one
+
+        yield begin
