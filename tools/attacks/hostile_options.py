@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from functools import cache
 
 from attacks.spoil import hostile
+from graphnav.core.cli import commands
 
 _LOG = "good"
 _BRIEF = ("--for", "0.3")
@@ -79,6 +80,7 @@ def _word(drawn: random.Random) -> str:
 @cache
 def _options_of(command: str) -> list[argparse.Action]:
     parser = argparse.ArgumentParser()
-    importlib.import_module(f"graphnav.core.cli.{command.replace('-', '_')}").add_arguments(parser)
+    _, package = commands()[command]
+    importlib.import_module(f"{package}.{command.replace('-', '_')}").add_arguments(parser)
     actions = parser._actions  # noqa: SLF001 - a parser does not tell them otherwise
     return [action for action in actions if action.option_strings and action.dest != "help"]

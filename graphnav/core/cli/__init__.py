@@ -225,9 +225,10 @@ def _parsed(words: list[str], chosen: str | None) -> argparse.Namespace:
     """Return the arguments; print the help where no command is given, exit with the error of a wrong one."""
     from graphnav.core.errors import did_you_mean, shown_name
 
-    parser = build_parser(chosen if chosen in COMMANDS else None)
-    if chosen is not None and chosen not in COMMANDS:
-        hint = did_you_mean(chosen, COMMANDS) or "see graphnav --help"
+    known = commands()
+    parser = build_parser(chosen if chosen in known else None)
+    if chosen is not None and chosen not in known:
+        hint = did_you_mean(chosen, known) or "see graphnav --help"
         parser.error(f"unknown command '{shown_name(chosen)}': {hint}")
 
     def print_help(_: argparse.Namespace) -> int:
