@@ -11,24 +11,31 @@ import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
 
 import hypothesis
 import pytest
 
 from graphnav.core.bus import require_route
 from graphnav.core.errors import BusError
+from tests.figures import Figures
 
 _FIRST_PORT, _N_PORTS = 10_000, 20_000
 """Linux hands datagrams of all groups to every listener on a port, so each process of the tests has its own port."""
+_SLOW = Path(__file__).parent / "slow"
 _LATEST_S = pytest.StashKey[float]()
 _URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % _N_PORTS}?ttl=0"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Declare what ``tools/check.py quick`` limits the time with."""
+    """Declare what ``tools/check.py quick`` limits the time with, and what tests that take minutes to hours need."""
     parser.addoption("--within-s", type=float, help="skip tests that would begin later, counted from the first")
+    slow = parser.getgroup("slow tests")
+    slow.addoption("--slow", action="store_true", help="run the tests marked slow, which print figures, and no others")
+    slow.addoption("--seeds", default="1000:1020", help="FIRST:END, END excluded, of slow tests (default 1000:1020)")
+    slow.addoption("--jobs", type=int, default=2, help="drives at a time in a slow test (default 2)")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -50,9 +57,28 @@ def pytest_configure(config: pytest.Config) -> None:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
 
 
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Give a slow test all the time that it takes."""
+    if item.get_closest_marker("slow"):
+        item.add_marker(pytest.mark.timeout(0))
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out the folder of slow tests unless they are asked for."""
+    return True if collection_path == _SLOW and not config.getoption("--slow") else None
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Start modules with tests that take long first, as many a worker: worksteal cuts the list into equal parts."""
+    """Keep the slow tests or the others. Start modules with long tests first, as many a worker.
+
+    Worksteal cuts the list into equal parts.
+    """
+    is_slow = bool(config.getoption("--slow"))
+    left_out = [item for item in items if bool(item.get_closest_marker("slow")) != is_slow]
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if bool(item.get_closest_marker("slow")) == is_slow]
     modules: dict[str, list[pytest.Item]] = {}
     for item in items:
         modules.setdefault(item.nodeid.partition("::")[0], []).append(item)
@@ -84,6 +110,29 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 def pytest_unconfigure() -> None:
     """Remove what the tests trusted."""
     shutil.rmtree(os.environ["XDG_STATE_HOME"], ignore_errors=True)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, object, object]:
+    """Fail a test whose figures miss their targets."""
+    result = yield
+    figures = pyfuncitem.funcargs.get("figures")
+    if isinstance(figures, Figures) and figures.missed:
+        pytest.fail("\n".join(["missed:", *figures.missed]), pytrace=False)
+    return result
+
+
+@pytest.fixture
+def figures(request: pytest.FixtureRequest) -> Figures:
+    """Return what prints the figures of this test, whatever pytest captures."""
+    capture = request.config.pluginmanager.getplugin("capturemanager")
+
+    def show(text: str) -> None:
+        with capture.global_and_fixture_disabled():
+            print(text, flush=True)
+
+    show(f"\n== {request.node.name}")
+    return Figures(show)
 
 
 @contextmanager

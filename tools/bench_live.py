@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import lcm
-from acceptance.drives import GRAPHNAV
-from acceptance.rig import Rig
+from testbed.drives import GRAPHNAV
+from testbed.rig import Rig
 
 from graphnav import Recording
 from graphnav.core.machine.single_thread import ONE_THREAD

@@ -21,9 +21,9 @@ from pathlib import Path
 
 import lcm
 import numpy as np
-from acceptance.drives import GRAPHNAV
-from acceptance.listeners import await_listeners
-from acceptance.spy_terminal import HAS_TMUX, SpyTerminal
+from testbed.drives import GRAPHNAV
+from testbed.processes import await_listeners
+from testbed.terminal import HAS_TMUX, SpyTerminal
 
 from graphnav import Image, Recording
 from graphnav.core.codec import encode

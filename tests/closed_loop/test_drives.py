@@ -1,4 +1,4 @@
-"""It drives: one or two worlds of every claim that tools/accept.py counts over twenty."""
+"""It drives: one or two worlds of every claim that tests/slow counts over twenty."""
 
 from __future__ import annotations
 

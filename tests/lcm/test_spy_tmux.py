@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from acceptance.terminal import Terminal
+from testbed.terminal import Terminal
 
 from .spy_app import publishing
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from acceptance.terminal import Terminal
+from testbed.terminal import Terminal
 
 from graphnav.core.bus import Bus
 from graphnav.core.cli import main

@@ -1,6 +1,6 @@
 """Commands that read, check or draw run no plugin file that is not trusted; those that run do.
 
-``python tools/accept.py trust`` tries every command; here are those that load graphs, in this process.
+``tests/slow/test_trust.py`` tries every command; here are those that load graphs, in this process.
 """
 
 from __future__ import annotations

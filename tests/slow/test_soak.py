@@ -1,0 +1,153 @@
+"""Memory, open files and threads of programs that run for an hour."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import subprocess
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+from testbed.drives import GRAPHNAV
+
+from tests.figures import Figures
+
+HOUR_S = 3600.0
+_LOCKSTEP, _LIVE = "udpm://239.255.97.1:7697?ttl=0", "udpm://239.255.97.2:7698?ttl=0"
+_PERIOD_S = 5.0
+_MAX_RATIO, _MAX_MORE_MB = 1.03, 5.0
+_MAP = "maps/suite/laps.yaml"
+_ENDLESS = ("--until", "100000", "--no-pictures")
+
+
+class Size(NamedTuple):
+    """Resident memory, open file descriptors and threads of a process."""
+
+    memory_mb: float
+    files: int
+    threads: int
+
+
+class Program(NamedTuple):
+    """A process that is watched for some time from the start of all."""
+
+    name: str
+    pid: int
+    lasts_s: float
+    sizes: list[Size]
+
+
+def test_soak(figures: Figures, tmp_path: Path) -> None:
+    """How programs grow: a lockstep run with its tap and a spy in an hour, a live pair in half an hour."""
+    with ExitStack() as ending:
+        programs = list(_programs(tmp_path, ending))
+        begin_s = time.monotonic()
+        while (elapsed_s := time.monotonic() - begin_s) < HOUR_S:
+            for program in programs:
+                if elapsed_s < program.lasts_s:
+                    program.sizes.append(_size(program.pid))
+            time.sleep(_PERIOD_S)
+    for program in programs:
+        _judge(figures, program)
+
+
+def _programs(scratch: Path, ending: ExitStack) -> Iterator[Program]:
+    """Start the programs; yield them."""
+
+    def begun(name: str, lasts_s: float, url: str, *words: str) -> Program:
+        around = os.environ | {"LCM_DEFAULT_URL": url}
+        start = _in_terminal if words[0] == "spy" else _process
+        return Program(name, ending.enter_context(start([str(GRAPHNAV), *words], around)), lasts_s, [])
+
+    laps = ("navigate/laps", "--pace", "1", "--set", "drive.duration_s=100000", "--set", "run.record=small", *_ENDLESS)
+    yield begun("lockstep run with tap", HOUR_S, _LOCKSTEP, "run", *laps, "-o", str(scratch / "lockstep"))
+    yield begun("spy", HOUR_S, _LOCKSTEP, "spy")
+    half_s = HOUR_S / 2
+    robot = ("robot_live", "--set", f"robot.map={_MAP}", *_ENDLESS)
+    yield begun("live robot", half_s, _LIVE, "run", *robot, "-o", str(scratch / "robot"))
+    yield begun("live driver", half_s, _LIVE, "run", "navigate_robot", *_ENDLESS, "-o", str(scratch / "driver"))
+
+
+def _judge(figures: Figures, program: Program) -> None:
+    """Print the sizes of a program after a tenth of its time and at its end; check that they are the same."""
+    n_later = len(program.sizes) // 10
+    if not n_later or program.sizes[-1].memory_mb == 0.0:
+        text = f"{program.name}: ended early, after {_PERIOD_S * len(program.sizes):.0f} s at most"
+        figures.check(text, good=False)
+        return
+    begin, end = program.sizes[n_later : 2 * n_later], program.sizes[-n_later:]
+    memory_mb = [median(size.memory_mb for size in part) for part in (begin, end)]
+    files = [max(size.files for size in part) for part in (begin, end)]
+    threads = [max(size.threads for size in part) for part in (begin, end)]
+    is_flat = memory_mb[1] <= memory_mb[0] * _MAX_RATIO + _MAX_MORE_MB and files[1] <= files[0]
+    is_flat = is_flat and threads[1] <= threads[0]
+    figures.check(
+        f"{program.name}, {program.lasts_s / 60:.0f} min: memory {memory_mb[0]:.1f} to {memory_mb[1]:.1f} MB, files "
+        f"{files[0]} to {files[1]}, threads {threads[0]} to {threads[1]} (from the second to the last tenth of the "
+        "time)",
+        good=is_flat,
+    )
+
+
+def _size(pid: int) -> Size:
+    """Return the size of a process, 0 of one that has ended."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+        files = len(os.listdir(f"/proc/{pid}/fd"))
+    except OSError:
+        return Size(0.0, 0, 0)
+    memory, threads = (re.search(rf"^{name}:\s+(\d+)", status, re.MULTILINE) for name in ("VmRSS", "Threads"))
+    return Size(int(memory[1]) / 1024 if memory else 0.0, files, int(threads[1]) if threads else 0)
+
+
+@contextmanager
+def _process(words: list[str], environment: Mapping[str, str]) -> Iterator[int]:
+    """Run a command without a terminal; yield its process."""
+    process = subprocess.Popen(
+        words,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=environment,
+    )
+    with _ended(process):
+        yield process.pid
+
+
+@contextmanager
+def _in_terminal(words: list[str], environment: Mapping[str, str]) -> Iterator[int]:
+    """Run a command in a terminal that is read but not shown; yield its process."""
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen(
+        words, stdin=theirs, stdout=theirs, stderr=theirs, env={**environment, "TERM": "xterm-256color"}
+    )
+    os.close(theirs)
+
+    def read() -> None:
+        with suppress(OSError):
+            while os.read(ours, 65536):
+                pass
+
+    threading.Thread(target=read, daemon=True).start()
+    with _ended(process):
+        yield process.pid
+    os.close(ours)
+
+
+@contextmanager
+def _ended(process: subprocess.Popen[bytes]) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        process.terminate()
+        try:
+            process.wait(20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()

@@ -1,0 +1,1 @@
+"""Robots, terminals and programs in processes of their own, for long tests and benchmarks."""
