@@ -8,7 +8,7 @@ import lazy_loader
 
 from graphnav.core.machine.pins import pin
 
-__version__ = "0.8.1"
+__version__ = "0.8.2"
 
 pin()
 __getattr__, __dir__, _names = lazy_loader.attach_stub(__name__, __file__)

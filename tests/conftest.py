@@ -1,4 +1,4 @@
-"""Fixtures of all tests."""
+"""Fixtures of all tests: among them a catalog of toy stages, for the tests of graphs."""
 
 from __future__ import annotations
 
@@ -19,8 +19,23 @@ import hypothesis
 import pytest
 
 from graphnav.core.bus import require_route
+from graphnav.core.catalog import Catalog
 from graphnav.core.errors import BusError
+from graphnav.core.graph import Graph, graph_of, parse_override
 from tests.figures import Figures
+
+TOYS = Path(__file__).parent / "errors" / "stages.py"
+
+LOOP = """\
+about: A toy that sees noise.
+run: {until_s: 1, seed: 3}
+stages:
+  robot: {use: toy.robot, in: {command: wheels.twist}}
+  flow: {use: toy.matcher, in: {image: robot.image}}
+  plane: {use: toy.detector, with: {rule: otsu}, in: {flow: flow}}
+  wheels: {use: toy.wheels, in: {plane: plane.plane}}
+  score: {use: toy.score, in: {plane: plane.plane, motion: robot.motion}}
+"""
 
 _FIRST_PORT, _N_PORTS = 10_000, 20_000
 """Linux hands datagrams of all groups to every listener on a port, so each process of the tests has its own port."""
@@ -162,3 +177,21 @@ def group() -> str:
     except BusError as error:
         pytest.skip(str(error))
     return _URL
+
+
+@pytest.fixture(scope="session")
+def toys() -> Catalog:
+    """Return a catalog with the family ``toy``."""
+    catalog = Catalog()
+    catalog.add_file(TOYS)
+    return catalog
+
+
+@pytest.fixture
+def load(toys: Catalog, tmp_path: Path) -> Callable[..., Graph]:
+    """Return a function that loads the text of a graph, as if it stood in an empty folder."""
+
+    def loaded(text: str = LOOP, *sets: str) -> Graph:
+        return graph_of(text.encode(), tmp_path / "graph.yaml", toys, [*map(parse_override, sets)], "graph.yaml")
+
+    return loaded

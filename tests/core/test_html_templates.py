@@ -23,21 +23,21 @@ TEMPLATES = sorted(path for path in CORE.rglob("templates/*") if path.suffix in 
 
 @given(about=st.text(), table=st.text())
 def test_values_are_text(about: str, table: str) -> None:
-    page = html_templates.rendered("graphnav.core.api", "study.html", about=about, table=table, report="there")
+    page = html_templates.rendered("graphnav.studies.api", "study.html", about=about, table=table, report="there")
     assert unescape(page).startswith(f"<p>{printable(about)}</p><pre>{printable(table)}</pre>")
     assert page.count("<") == 6
 
 
 def test_rendered_templates_are_inserted_as_they_are() -> None:
-    inner = html_templates.rendered("graphnav.core.api", "study.html", about="<b>", table="", report="")
-    outer = html_templates.rendered("graphnav.core.api", "study.html", about=inner, table="", report="")
+    inner = html_templates.rendered("graphnav.studies.api", "study.html", about="<b>", table="", report="")
+    outer = html_templates.rendered("graphnav.studies.api", "study.html", about=inner, table="", report="")
     assert isinstance(outer, Markup)
     assert outer.startswith("<p><p>&lt;b&gt;</p>")
 
 
 def test_a_value_that_is_not_given_is_an_error() -> None:
     with pytest.raises(UndefinedError, match="table"):
-        html_templates.rendered("graphnav.core.api", "study.html", about="", report="")
+        html_templates.rendered("graphnav.studies.api", "study.html", about="", report="")
 
 
 @pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.relative_to(CORE).as_posix())
@@ -58,4 +58,4 @@ def test_only_the_engine_makes_markup() -> None:
         if isinstance(node.func, ast.Name) and node.func.id == "Markup"
         if not (len(node.args) == 1 and isinstance(node.args[0], ast.Constant))
     }
-    assert makers == {"render/html_templates.py"}
+    assert makers == {"core/render/html_templates.py"}

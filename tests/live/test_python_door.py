@@ -12,7 +12,7 @@ import pytest
 
 import graphnav
 
-STAGES = Path(__file__).parents[1] / "unit" / "api" / "door_stages.py"
+STAGES = Path(__file__).parents[1] / "core" / "api" / "door_stages.py"
 GRAPH = """\
 plugins: [door_stages.py]
 stages:

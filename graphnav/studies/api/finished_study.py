@@ -132,7 +132,9 @@ class Study:
         return text.getvalue().rstrip()
 
     def _repr_html_(self) -> str:
-        return rendered("graphnav.core.api", "study.html", about=self.plan.about, table=str(self), report=self.report)
+        return rendered(
+            "graphnav.studies.api", "study.html", about=self.plan.about, table=str(self), report=self.report
+        )
 
 
 _RUN_COLUMNS = ("seed", "outcome", "cause", "failure", "frames", "sim_s")

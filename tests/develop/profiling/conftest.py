@@ -20,7 +20,7 @@ from graphnav.develop.profiling.step_functions import StepFunctions
 from graphnav.develop.profiling.stopwatch import Stopwatch
 from graphnav.develop.profiling.tick_spans import TickSpans
 
-STAGES = Path(__file__).parents[1] / "runner" / "stages.py"
+STAGES = Path(__file__).parents[2] / "core" / "runner" / "stages.py"
 GRAPH = """\
 run: {until_s: 20}
 stages:

@@ -22,7 +22,7 @@ from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.live_schedule import LiveSchedule
 
-STAGES = Path(__file__).parents[2] / "live" / "stages.py"
+STAGES = Path(__file__).parents[1] / "stages.py"
 GRAPH = """
 run: {until_s: 0.3}
 inputs: {camera.image: {channel: CAMERA, type: graphnav_lcm.image_t, max_age_s: 1.0}}

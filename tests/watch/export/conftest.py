@@ -16,7 +16,7 @@ from graphnav.core.cli import main
 from graphnav.core.codec import add_type
 
 TOOLS = Path(lcm.LCM_BIN_DIR)
-TYPES = sorted((Path(__file__).parents[1] / "lcm" / "types").glob("*.lcm"))
+TYPES = sorted((Path(__file__).parents[2] / "lcm" / "types").glob("*.lcm"))
 
 
 @pytest.fixture(scope="session")

@@ -10,8 +10,7 @@ import pytest
 
 import graphnav
 from graphnav.core.trust import Request, remember
-
-from .conftest import STAGES
+from tests.core.api.conftest import STAGES
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ import pytest
 from graphnav.core.cli import main
 from graphnav.core.trust import Request, remember
 
-STAGES = Path(__file__).parents[1] / "api" / "door_stages.py"
+STAGES = Path(__file__).parents[2] / "core" / "api" / "door_stages.py"
 GRAPH = """\
 plugins: [door_stages.py]
 run: {until_s: 9.9, seed: 3}

@@ -12,7 +12,7 @@ from graphnav.core.cli import main
 from graphnav.core.graph import graph_schema, shipped_folder, shipped_graphs
 from graphnav.core.spec import parse_yaml
 
-TESTS = Path(__file__).parent.parent.parent
+TESTS = Path(__file__).parent.parent
 ERRORS = TESTS / "errors"
 BROKEN_MAPS = TESTS / "plugins" / "world" / "broken_maps"
 GRAPHS = {path.stem: path for path in ERRORS.glob("*/*.yaml") if path.parent.name != "studies"}

@@ -1,0 +1,76 @@
+"""Each room can be deleted: ``graphnav run`` and the core's tests pass without it, and its commands are gone."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Collection
+from pathlib import Path
+
+import pytest
+
+from graphnav.core.cli import COMMANDS
+from graphnav.core.rooms import ROOMS
+
+ROOT = Path(__file__).resolve().parent.parent
+TESTED = ("spec", "stage", "messages", "codec", "record")
+"""Folders of the core's tests that take little time."""
+IMPORTED = """
+import importlib, pkgutil, graphnav.core
+for module in pkgutil.walk_packages(graphnav.core.__path__, "graphnav.core."):
+    importlib.import_module(module.name)
+"""
+
+
+def tree_without(rooms: Collection[str], folder: Path) -> Path:
+    """Copy graphnav without some rooms, and the core's tests, into a folder; return it."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "graphnav", folder / "graphnav", ignore=ignored)
+    for room in rooms:
+        shutil.rmtree(folder / "graphnav" / room)
+    for part in ("core", "errors", "fixtures"):
+        shutil.copytree(ROOT / "tests" / part, folder / "tests" / part, ignore=ignored)
+    for name in ("tests/conftest.py", "tests/figures.py", "pyproject.toml", "README.md"):
+        shutil.copy(ROOT / name, folder / name)
+    (folder / "tools").mkdir()
+    return folder
+
+
+def python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run Python where that copy is imported."""
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    return subprocess.run(
+        [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_graph_runs_without_a_room(room: str, tmp_path: Path) -> None:
+    tree = tree_without([room], tmp_path)
+    lacking = importlib.import_module(f"graphnav.{room}").COMMANDS
+    listed = python(tree, "-m", "graphnav", "--help").stdout
+    assert not [name for name in lacking if f"\n    {name} " in listed]
+    assert all(f"\n    {name} " in listed for name in COMMANDS)
+    done = python(tree, "-m", "graphnav", "run", "corridor_ccw", "--until", "0.2", "--no-pictures", "-o", "out")
+    assert done.returncode == 0, done.stderr
+    assert (tree / "out" / "run.lcmlog").stat().st_size > 0
+
+
+def test_what_needs_a_room_says_so(tmp_path: Path) -> None:
+    tree = tree_without(["live"], tmp_path)
+    done = python(tree, "-m", "graphnav", "run", "navigate_live", "--until", "0.2", "--no-tap")
+    assert done.returncode == 1
+    assert done.stderr.endswith("this needs graphnav.live, which is not installed\n  install graphnav again\n")
+
+
+@pytest.mark.long
+def test_the_core_is_tested_without_all_rooms(tmp_path: Path) -> None:
+    tree = tree_without(ROOMS, tmp_path)
+    done = python(tree, "-c", IMPORTED)
+    assert done.returncode == 0, done.stderr
+    folders = [f"tests/core/{name}" for name in TESTED]
+    done = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not long", *folders)
+    assert done.returncode == 0, done.stdout[-4000:]
