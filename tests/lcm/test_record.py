@@ -414,9 +414,9 @@ def test_a_disk_with_less_than_the_quota_is_told_at_once(
 def test_channels_without_number_do_not_fill_the_memory() -> None:
     statistics = ReceiveStatistics()
     for k in range(12_000):
-        statistics.receive(f"channel {k}", twist(k))
+        statistics.receive(f"channel {k}", twist(k), 0.0)
     assert len(statistics.channels) == 10_000
-    assert statistics.others.n_messages == 2000
+    assert statistics.others.count == 2000
     assert (statistics.n_messages, statistics.n_bytes, statistics.lost) == (12_000, 12_000 * 40, 0)
 
 

@@ -58,7 +58,7 @@ def test_a_live_group_is_seen_in_tmux(group: str, terminal: Callable[..., Termin
     one.wait_for(lambda shown: "no publisher" in shown)
     with publishing(group, "robot.image", "control.twist"):
         shown = one.wait_for(lambda shown: "control.twist" in shown and "Hz" in shown)
-        assert ("latency ms" in shown) is (size[0] == 200)
+        assert ("transport ms" in shown) is (size[0] == 200)
         assert "freeze" in shown.splitlines()[-1]
         open_image(one)
         shown = one.wait_for(lambda shown: "▀" in shown)

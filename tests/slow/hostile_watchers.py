@@ -145,7 +145,7 @@ class Watchers:
         self._spy.wait_for(lambda lines: any("part of a channel" in line for line in lines))
         self._spy.press(CHANNEL, "Enter")
         self._spy.resize(_WIDE, _HIGH)
-        self._spy.wait_for(lambda lines: any("latency ms" in line for line in lines))
+        self._spy.wait_for(lambda lines: any("transport ms" in line for line in lines))
 
 
 def _number(pattern: str, text: str) -> int:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
+from graphnav.core.record import Window, silent_after_s
+
 _KEPT = 9
 _MIN_KNOWN = 3
 _KEPT_ARRIVALS = 20
-_MAX_SILENT_PERIODS = 3.0
 
 
 class Periods:
@@ -18,7 +19,8 @@ class Periods:
         self.usual_s: float | None = None
         """The typical period in seconds, None before 3 increments are known."""
         self._increments: deque[float] = deque(maxlen=_KEPT)
-        self._arrivals: deque[float] = deque(maxlen=_KEPT_ARRIVALS)
+        self._arrivals = Window(None, _KEPT_ARRIVALS)
+        self._n_arrived = 0
 
     def add(self, increment_s: float) -> None:
         """Add an increment of the stamps in seconds."""
@@ -29,8 +31,9 @@ class Periods:
     def arrive(self, arrival_s: float, *, is_restart: bool) -> None:
         """Add an arrival (monotonic seconds); the rate does not include arrivals before a restart."""
         if is_restart:
-            self._arrivals.clear()
-        self._arrivals.append(arrival_s)
+            self._arrivals = Window(None, _KEPT_ARRIVALS)
+        self._n_arrived += 1
+        self._arrivals.add(arrival_s, arrival_s, self._n_arrived)
 
     def forget(self) -> None:
         """Start over: another writer has another period."""
@@ -39,8 +42,6 @@ class Periods:
 
     def rate_hz(self, now_s: float, max_age_s: float) -> float:
         """Return arrivals per second; 0 after a silence of ``max_age_s`` and 3 periods."""
-        silent_s = max(max_age_s, _MAX_SILENT_PERIODS * (self.usual_s or 0.0))
-        if len(self._arrivals) < 2 or now_s - self._arrivals[-1] > silent_s:
+        if self._arrivals.is_empty or now_s - self._arrivals.newest_s > silent_after_s(self.usual_s, max_age_s):
             return 0.0
-        span_s = self._arrivals[-1] - self._arrivals[0]
-        return (len(self._arrivals) - 1) / span_s if span_s > 0 else 0.0
+        return self._arrivals.rate_hz() or 0.0

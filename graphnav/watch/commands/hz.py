@@ -9,7 +9,8 @@ from graphnav.watch.commands import channel_report
 
 if TYPE_CHECKING:
     from graphnav.core.cli.tables import TextTable
-    from graphnav.watch.spy import ChannelTraffic, Periods, Traffic
+    from graphnav.core.record import Periods
+    from graphnav.watch.spy import ChannelTraffic, Traffic
 
 _KEYS = """\
   type, messages, lost    as spy says them: messages received, and missing by their numbers

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from graphnav.core.cli.quantities import counted
-from graphnav.core.codec import lcm_name, type_of
 from graphnav.core.errors import shown_name
 from graphnav.core.runner.recording.log_forecast import size_text
 
@@ -39,15 +38,14 @@ def print_recorded(recorder: Recorder, url: str) -> None:
         table = TextTable("channel", "type", "messages", "size", "lost")
         for name in sorted(statistics.channels)[:_MAX_ROWS]:
             channel = statistics.channels[name]
-            lcm_class = type_of(channel.fingerprint)
-            kind = lcm_name(lcm_class) if lcm_class is not None else f"unknown, {channel.fingerprint.hex()}"
-            lost = f"{channel.gaps.lost:,}" if channel.gaps is not None else ""
-            table.add_text(shown_name(name), kind, f"{channel.n_messages:,}", size_text(channel.n_bytes), lost)
+            kind = channel.kind.name if channel.kind is not None else f"unknown, {channel.fingerprint.hex()}"
+            lost = f"{channel.lost:,}" if channel.lost is not None else ""
+            table.add_text(shown_name(name), kind, f"{channel.count:,}", size_text(channel.n_bytes), lost)
         print_table(table)
         if (n_more := len(statistics.channels) - _MAX_ROWS) > 0:
             print(f"and {counted(n_more, 'more channel')}")
-        if statistics.others.n_messages:
-            print(f"and {counted(statistics.others.n_messages, 'message')} on further channels")
+        if statistics.others.count:
+            print(f"and {counted(statistics.others.count, 'message')} on further channels")
     said = "; ".join(losses(recorder)) or "nothing lost"
     print(f"{counted(statistics.n_messages, 'message')}, {size_text(statistics.n_bytes)}; {said}")
     files = recorder.files.paths

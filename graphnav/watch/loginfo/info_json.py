@@ -31,12 +31,12 @@ def as_json(info: LogInfo) -> dict[str, Any]:
 def _channel(channel: ChannelInfo) -> dict[str, Any]:
     return {
         "type": channel.type_name,
-        "is_known": channel.is_known,
-        "fingerprint": channel.fingerprint,
-        "messages": channel.n_messages,
+        "is_known": channel.kind is not None,
+        "fingerprint": channel.fingerprint_hex,
+        "messages": channel.count,
         "rate_hz": channel.rate_hz,
-        "first_s": channel.first_us / 1e6,
-        "last_s": channel.last_us / 1e6,
+        "first_s": channel.first_s,
+        "last_s": channel.received_s,
         "bytes": channel.n_bytes,
         "min_bytes": channel.min_bytes,
         "max_bytes": channel.max_bytes,

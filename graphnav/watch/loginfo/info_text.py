@@ -41,7 +41,7 @@ def rows(info: LogInfo) -> list[tuple[str, ...]]:
         (
             shown_name(channel.name),
             _type(channel),
-            f"{channel.n_messages:,}",
+            f"{channel.count:,}",
             f"{channel.rate_hz:.2f} Hz" if channel.rate_hz is not None else "",
             _size(channel),
             size_text(channel.n_bytes),
@@ -55,8 +55,8 @@ def damage(info: LogInfo) -> Iterator[str]:
     """Yield one line per loss or damage; none for a complete log."""
     for channel in info.channels:
         name = shown_name(channel.name)
-        if channel.undecodable and channel.undecodable < channel.n_messages:
-            of = f"{channel.undecodable:,} of {channel.n_messages:,} messages"
+        if channel.undecodable and channel.undecodable < channel.count:
+            of = f"{channel.undecodable:,} of {channel.count:,} messages"
             yield f"{name}: {of} cannot be decoded as {channel.type_name or 'the type of the first message'}"
         elif channel.undecodable:
             yield f"{name}: no message can be decoded"
@@ -96,9 +96,9 @@ def _origin_lines(origin: LogOrigin) -> Iterator[str]:
 
 
 def _type(channel: ChannelInfo) -> str:
-    if channel.is_known or channel.fingerprint is None:
+    if channel.kind is not None or channel.fingerprint_hex is None:
         return shown_name(channel.type_name or "not an LCM type")
-    fingerprint = f"fingerprint {channel.fingerprint}"
+    fingerprint = f"fingerprint {channel.fingerprint_hex}"
     return f"{shown_name(channel.type_name)} ({fingerprint})" if channel.type_name else f"unknown, {fingerprint}"
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav.core.codec import Codec, DecodeError, codec_of, lcm_name, type_of
+from graphnav.core.codec import DecodeError
 from graphnav.core.errors import LogError
 from graphnav.core.messages import Gap
-from graphnav.core.record import GAP, Damaged, Recording, SequenceGaps, TruncatedEvent
-from graphnav.core.record.sequence_gaps import numbered_fingerprints, seq_of
+from graphnav.core.record import GAP, ChannelCounts, Damaged, Recording, TruncatedEvent, kind_of
 from graphnav.watch.loginfo.log_origin import LogOrigin, origin_of
 from graphnav.watch.loginfo.unfinished import unfinished
 
@@ -18,35 +17,67 @@ _WALL_US = 1_000_000_000_000_000
 _FINGERPRINT_BYTES = 8
 
 
-@dataclass
-class ChannelInfo:
-    """The messages of one channel.
+class ChannelInfo(ChannelCounts):
+    """The messages of one channel; its times are seconds since the first event of the log.
 
-    ``type_name``: None if unknown; ``is_known``: whether its definition is installed; ``fingerprint``: the first 8
-    bytes of a message in hex, None if it is shorter. ``first_us``, ``last_us``: microseconds since the first event.
-    ``lost``: missing sequence numbers; ``n_restarts``: how often the numbering restarted; both None if messages
-    have no numbers. ``undecodable``: messages that are damaged or not of the channel's type.
+    ``kind``: the type of the first message of a known type, None without one; ``type_name``: its name, or the one that
+    the log itself gives. ``fingerprint``: the first 8 bytes of a message, fewer if it is shorter. ``undecodable``:
+    messages that are damaged or not of the channel's type.
     """
 
-    name: str
-    type_name: str | None
-    fingerprint: str | None
-    first_us: int
-    is_known: bool = False
-    last_us: int = 0
-    n_messages: int = 0
-    n_bytes: int = 0
-    min_bytes: int = 0
-    max_bytes: int = 0
-    undecodable: int = 0
-    lost: int | None = None
-    n_restarts: int | None = None
+    def __init__(self, name: str, data: bytes) -> None:
+        super().__init__()
+        self.name = name
+        self.undecodable = 0
+        self._declared: str | None = None
+        self._take_type(data)
+
+    def take(self, data: bytes, at_s: float) -> None:
+        """Count a message."""
+        if self.kind is None and data[:_FINGERPRINT_BYTES] != self.fingerprint and kind_of(data) is not None:
+            self._take_type(data)
+            self.undecodable = self.count
+        self.add(len(data), at_s)
+        if not self._is_readable(data):
+            self.undecodable += 1
+        elif self.kind is not None and self.kind.is_stamped and (stamp := self.kind.stamp(data)) is not None:
+            self.gaps.see(stamp[1])
 
     @property
-    def rate_hz(self) -> float | None:
-        """Messages per second between the first and the last; None for a zero duration."""
-        length_us = self.last_us - self.first_us
-        return (self.n_messages - 1) / length_us * 1e6 if length_us else None
+    def fingerprint_hex(self) -> str | None:
+        """The fingerprint in hex, None if the message is too short for one."""
+        return self.fingerprint.hex() if len(self.fingerprint) == _FINGERPRINT_BYTES else None
+
+    def declare(self, type_name: str | None) -> None:
+        """Take the type that the log itself gives, if its definition is not installed."""
+        self._declared = type_name
+
+    @property
+    def type_name(self) -> str | None:
+        """The LCM name of the type, None if it is unknown."""
+        return self.kind.name if self.kind is not None else self._declared
+
+    @property
+    def lost(self) -> int | None:
+        """The number of missing sequence numbers, None if messages have none."""
+        return self.gaps.lost if self.kind is not None and self.kind.is_stamped else None
+
+    @property
+    def n_restarts(self) -> int | None:
+        """How often the numbering restarted, None if messages have no numbers."""
+        return None if self.lost is None else max(0, self.gaps.n_restarts)
+
+    def _take_type(self, data: bytes) -> None:
+        self.fingerprint, self.kind = data[:_FINGERPRINT_BYTES], kind_of(data)
+
+    def _is_readable(self, data: bytes) -> bool:
+        if self.kind is None:
+            return len(self.fingerprint) < _FINGERPRINT_BYTES or data.startswith(self.fingerprint)
+        try:
+            self.kind.codec.decode(data)
+        except DecodeError:
+            return False
+        return True
 
 
 @dataclass(frozen=True)
@@ -87,14 +118,15 @@ def survey(path: Path) -> LogInfo:
     Raises LogError if the file cannot be read or is not a log.
     """
     with Recording(path) as recording:
-        surveys: dict[str, _Survey] = {}
-        numbered = numbered_fingerprints()
+        channels: dict[str, ChannelInfo] = {}
         for event, at_us in zip(recording.events(), recording.timeline.at_us, strict=True):
-            if event.channel not in surveys:
-                surveys[event.channel] = _Survey(event.channel, event.data, at_us, numbered)
-            surveys[event.channel].take(event.data, at_us)
+            if event.channel not in channels:
+                channels[event.channel] = ChannelInfo(event.channel, event.data)
+            channels[event.channel].take(event.data, at_us / 1e6)
         about = recording.about
-        declared = dict(zip(about.channels, about.types, strict=False)) if about is not None else {}
+        for name, type_name in zip(about.channels, about.types, strict=False) if about is not None else ():
+            if name in channels:
+                channels[name].declare(type_name)
         return LogInfo(
             path=path,
             n_bytes=recording.n_bytes,
@@ -102,7 +134,7 @@ def survey(path: Path) -> LogInfo:
             begin_us=recording.begin_us,
             duration_us=recording.timeline.duration_us,
             n_jumps=recording.timeline.n_jumps,
-            channels=[surveys[name].finished(declared.get(name)) for name in sorted(surveys)],
+            channels=[channels[name] for name in sorted(channels)],
             origin=origin_of(recording),
             completion_hint=recording.completion_hint,
             damaged=recording.damaged,
@@ -118,55 +150,3 @@ def _gaps(recording: Recording) -> tuple[tuple[int, Gap], ...]:
     except LogError:
         return ()
     return tuple(found)
-
-
-class _Survey:
-    """The summary of one channel while its messages are read."""
-
-    def __init__(self, name: str, data: bytes, at_us: int, numbered: frozenset[bytes]) -> None:
-        self._info = ChannelInfo(name, None, None, at_us)
-        self._numbered = numbered
-        self._set_type(data)
-
-    def take(self, data: bytes, at_us: int) -> None:
-        """Count a message."""
-        if self._codec is None and data[:_FINGERPRINT_BYTES] != self._fingerprint and type_of(data) is not None:
-            self._set_type(data)
-            self._info.undecodable = self._info.n_messages
-        info, size = self._info, len(data)
-        info.min_bytes = min(info.min_bytes, size) if info.n_messages else size
-        info.max_bytes = max(info.max_bytes, size)
-        info.n_messages += 1
-        info.n_bytes += size
-        info.last_us = at_us
-        if not self._is_readable(data):
-            info.undecodable += 1
-        elif self._gaps is not None and (seq := seq_of(data)) is not None:
-            self._gaps.see(seq)
-
-    def finished(self, declared: str | None) -> ChannelInfo:
-        """Return the summary; ``declared`` is the type named by the log itself."""
-        info = self._info
-        info.type_name = info.type_name or declared
-        info.is_known = self._codec is not None
-        if self._gaps is not None:
-            info.lost, info.n_restarts = self._gaps.lost, max(0, self._gaps.n_restarts)
-        return info
-
-    def _set_type(self, data: bytes) -> None:
-        self._fingerprint = data[:_FINGERPRINT_BYTES]
-        lcm_class = type_of(data)
-        self._codec: Codec | None = codec_of(lcm_class) if lcm_class is not None else None
-        self._gaps = SequenceGaps() if self._fingerprint in self._numbered else None
-        self._info.type_name = lcm_name(lcm_class) if lcm_class is not None else None
-        is_complete = len(self._fingerprint) == _FINGERPRINT_BYTES
-        self._info.fingerprint = self._fingerprint.hex() if is_complete else None
-
-    def _is_readable(self, data: bytes) -> bool:
-        if self._codec is None:
-            return self._info.fingerprint is None or data[:_FINGERPRINT_BYTES] == self._fingerprint
-        try:
-            self._codec.decode(data)
-        except DecodeError:
-            return False
-        return True

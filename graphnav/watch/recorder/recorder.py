@@ -88,5 +88,6 @@ class Recorder:
         if not channel:
             self.unnamed += 1
         elif channel == ABOUT or self._takes(channel):
-            self.statistics.receive(channel, data)
-            self._log.write(channel, time.time_ns() // 1000, data)
+            utime = time.time_ns() // 1000
+            self.statistics.receive(channel, data, utime / 1e6)
+            self._log.write(channel, utime, data)

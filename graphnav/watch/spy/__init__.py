@@ -5,12 +5,12 @@ from graphnav.core.fields.field_path import MISSING, FieldPath, parse_field
 from graphnav.core.fields.field_summary import described, summarised
 from graphnav.core.fields.plain_values import nested, plain
 from graphnav.core.fields.selection import Selection
+from graphnav.watch.spy.announcements import Announcements
 from graphnav.watch.spy.feed import Feed, Received, drops_of
 from graphnav.watch.spy.feed_listener import FeedListener
 from graphnav.watch.spy.health.health import Health
 from graphnav.watch.spy.health.health_json import health_as_json
 from graphnav.watch.spy.health.health_text import health_as_text
-from graphnav.watch.spy.message_window import Periods
 from graphnav.watch.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
 from graphnav.watch.spy.traffic_report import (
     as_json,
@@ -25,12 +25,12 @@ from graphnav.watch.spy.traffic_report import (
 __all__ = [
     "MAX_CHANNELS",
     "MISSING",
+    "Announcements",
     "ChannelTraffic",
     "Feed",
     "FeedListener",
     "FieldPath",
     "Health",
-    "Periods",
     "Received",
     "Selection",
     "Traffic",

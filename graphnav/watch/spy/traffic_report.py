@@ -10,9 +10,10 @@ from rich.text import Text
 from graphnav.core.errors import shown_name
 from graphnav.core.fields.field_summary import declared, described, summarised
 from graphnav.core.fields.plain_values import plain
+from graphnav.core.record import Periods
+from graphnav.watch.spy.announcements import MAX_RUNS
 from graphnav.watch.spy.feed import Feed
-from graphnav.watch.spy.message_window import Periods
-from graphnav.watch.spy.traffic import MAX_CHANNELS, MAX_RUNS, ChannelTraffic, Traffic
+from graphnav.watch.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
 
 _APART_RATIO = 0.05
 """Arrival rates that differ by more than this from the rate of the timestamps are shown."""
@@ -22,7 +23,7 @@ def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
     """Return the statistics of all channels as JSON-compatible values."""
     return {
         "feed": feed.name,
-        "runs": list(traffic.runs),
+        "runs": traffic.announcements.ids,
         "messages": traffic.count,
         "undecodable": traffic.undecodable,
         "overflow": traffic.overflow,
@@ -78,13 +79,13 @@ def _periods_as_json(prefix: str, periods: Periods | None) -> dict[str, float | 
 
 def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
     """Return the statistics of all channels as text; without the fields one line per channel."""
-    lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in traffic.runs)]
+    lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in traffic.announcements.ids)]
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
         lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(summary_of(channel)), "default"))
         if with_fields:
             lines += map(Text, described(fields_of_channel(channel)))
-    if traffic.has_forgotten_runs:
+    if traffic.announcements.has_forgotten:
         lines.append(Text(f"only the newest {MAX_RUNS} runs are kept"))
     if traffic.overflow:
         lines.append(Text(f"{traffic.overflow} messages on channels beyond the first {MAX_CHANNELS} were not kept"))

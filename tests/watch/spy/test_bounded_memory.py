@@ -44,7 +44,7 @@ def test_the_newest_runs_are_kept_and_that_is_said() -> None:
     assert "are kept" not in as_text(traffic, "").plain
     for received in runs()[:N_RUNS]:
         traffic.receive(received)
-    assert len(traffic.runs) == 32
+    assert len(traffic.announcements.runs) == 32
     assert as_text(traffic, "").plain.count("only the newest 32 runs are kept") == 1
 
 

@@ -38,7 +38,7 @@ def test_a_narrow_terminal_keeps_the_name_and_then_the_rate() -> None:
 def test_a_wide_terminal_shows_everything() -> None:
     shown = [column.heading for column, _ in layout(200)]
     assert shown[:3] == ["channel", "type", "messages"]
-    assert {"min ms", "mean ms", "max ms", "std ms", "bandwidth", "latency ms", "undec."} <= set(shown)
+    assert {"min ms", "mean ms", "max ms", "std ms", "bandwidth", "transport ms", "undec."} <= set(shown)
 
 
 @given(st.text(), st.integers(0, 30), st.booleans())

@@ -8,16 +8,12 @@ from typing import Any
 
 from graphnav.core.codec import DecodeError, decode, fingerprint
 from graphnav.core.messages import About, GuardState, Status
-from graphnav.core.record import ABOUT
+from graphnav.core.record import ABOUT, silent_after_s
+from graphnav.watch.spy.announcements import MAX_RUNS, RUN_SILENT_S
 from graphnav.watch.spy.feed import Received
 
-STATUS_SILENT_S = 2.5
-"""A run, which sends a status every second, is silent after this time without one."""
-GUARD_SILENT_S = 1.0
+_GUARD_SILENT_S = silent_after_s(None)
 """A guard, which sends its state many times a second, is silent after this time without one."""
-
-MAX_RUNS = 32
-"""Beyond this number the runs and guards that were silent for longest are dropped, to bound memory."""
 
 _STATUS, _GUARD = fingerprint(Status.lcm_class), fingerprint(GuardState.lcm_class)
 
@@ -98,7 +94,7 @@ class Health:
 
     def is_silent(self, of: RunHealth | GuardHealth) -> bool:
         """Whether a run or guard has stopped sending its regular messages."""
-        limit_s = STATUS_SILENT_S if isinstance(of, RunHealth) else GUARD_SILENT_S
+        limit_s = RUN_SILENT_S if isinstance(of, RunHealth) else _GUARD_SILENT_S
         return (self.silent_s(of) or 0.0) > limit_s
 
     def motor_fault(self, guard: GuardHealth) -> str:

@@ -12,7 +12,8 @@ from rich.text import Text
 
 from graphnav.core.errors import shown_name
 from graphnav.core.messages import Status
-from graphnav.watch.spy.health.health import MAX_RUNS, GuardHealth, Health, RunHealth
+from graphnav.watch.spy.announcements import MAX_RUNS
+from graphnav.watch.spy.health.health import GuardHealth, Health, RunHealth
 
 _FORGET_S = 10.0
 """A run that is silent for longer is shown in one line."""

@@ -112,13 +112,13 @@ _BY_PRIORITY = (
         is_left=True,
     ),
     Column("bandwidth", 11, _bandwidth, lambda row: _low(row.bytes_per_s)),
-    Column("latency ms", 10, lambda row: _ms(row.latency_s), lambda row: _low(row.latency_s)),
+    Column("transport ms", 12, lambda row: _ms(row.transport_s), lambda row: _low(row.transport_s)),
     Column("mean ms", 8, lambda row: _ms(row.mean_s), lambda row: _low(row.mean_s)),
     Column("std ms", 8, lambda row: _ms(row.std_s), lambda row: _low(row.std_s)),
     Column("min ms", 8, lambda row: _ms(row.min_s), lambda row: _low(row.min_s)),
     Column("max ms", 8, lambda row: _ms(row.max_s), lambda row: _low(row.max_s)),
 )
-_IN_ORDER = ("type", "messages", "rate", "min ms", "mean ms", "max ms", "std ms", "bandwidth", "size", "latency ms")
+_IN_ORDER = ("type", "messages", "rate", "min ms", "mean ms", "max ms", "std ms", "bandwidth", "size", "transport ms")
 _ORDER = {heading: place for place, heading in enumerate((*_IN_ORDER, "drops", "undec.", "age"))}
 
 

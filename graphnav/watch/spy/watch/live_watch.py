@@ -99,8 +99,8 @@ class LiveWatch:
         with self._memory.lock:
             traffic = self._memory.traffic
             parts = [self.name.partition("?")[0], f"{len(traffic.channels)} channels"]
-            if traffic.runs:
-                parts.append(_named(traffic.current_runs(time.monotonic())))
+            if runs := traffic.announcements.current_ids(time.monotonic()):
+                parts.append(_named(runs))
             if dropped := self._feed.dropped_packets():
                 parts.append(f"{dropped} dropped")
             parts.append(f"{traffic.count} messages")

@@ -11,9 +11,9 @@ from graphnav.watch.spy.traffic import ChannelTraffic
 class Row:
     """The statistics of one channel; unknown values are None.
 
-    ``rate_hz``: by timestamps. ``min_s`` to ``std_s``: of their periods. ``n_bytes``: of the newest message. ``drops``:
-    gaps in the sequence numbers. ``age_s``: since the newest message arrived. ``counts``: messages in each of the last
-    seconds, oldest first.
+    ``rate_hz``: by timestamps. ``min_s`` to ``std_s``: of their periods. ``n_bytes``: of the newest message.
+    ``transport_s``: the transport age, from stamp to arrival. ``drops``: gaps in the sequence numbers. ``age_s``: since
+    the newest message arrived. ``counts``: messages in each of the last seconds, oldest first.
     """
 
     name: str
@@ -26,7 +26,7 @@ class Row:
     std_s: float | None
     bytes_per_s: float | None
     n_bytes: int | None
-    latency_s: float | None
+    transport_s: float | None
     drops: int
     undecodable: int
     age_s: float | None
@@ -48,7 +48,7 @@ def row_of(channel: ChannelTraffic, now_s: float, clock_offset_s: float, age_s: 
         std_s=periods.std_s if periods else None,
         bytes_per_s=channel.bytes_per_s,
         n_bytes=channel.last_bytes if channel.count else None,
-        latency_s=channel.latency_s(clock_offset_s),
+        transport_s=channel.transport_age_s(clock_offset_s),
         drops=channel.lost,
         undecodable=channel.undecodable,
         age_s=age_s,

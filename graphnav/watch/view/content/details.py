@@ -13,9 +13,9 @@ from graphnav.arrays import Bytes
 from graphnav.core.codec import DecodeError, codec_of, decode, message_class_of
 from graphnav.core.messages import Message
 from graphnav.core.pictures import PictureContext, Pictures
+from graphnav.core.record import Kind
 from graphnav.watch.spy import Received, plain, summarised
 from graphnav.watch.view.content.moment import Moment
-from graphnav.watch.view.message_types import Kind
 
 M = TypeVar("M", bound=Message)
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphnav.arrays import Doubles
+from graphnav.core.record import Kind
 from graphnav.watch.spy import Received
 from graphnav.watch.view.channel import WatchedChannel
-from graphnav.watch.view.message_types import Kind
 from graphnav.watch.view.watch import Watch
 
 

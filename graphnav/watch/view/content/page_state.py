@@ -16,7 +16,6 @@ def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
     """Return all counts, and channels, guards and health of the run ``run_id``; the caller holds the source's lock."""
     watch = source.watch
     health = health_as_json(watch.health, source.name)
-    now_s = watch.clock()
     channels = watch.channels_of(run_id)
     return {
         "failure": source.failure,
@@ -24,7 +23,7 @@ def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
         "runs": list(watch.announcements.runs),
         "run": next((run for run in health["runs"] if run["run_id"] == run_id), None),
         "guards": [guard for guard in health["guards"] if guard["channel"] in channels],
-        "channels": [channel_state(channel, now_s) for channel in channels.values()],
+        "channels": [channel_state(channel) for channel in channels.values()],
         "messages": watch.count,
         "undecodable": watch.undecodable,
         "untracked": watch.untracked,
@@ -34,20 +33,20 @@ def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
     }
 
 
-def channel_state(channel: WatchedChannel, now_s: float) -> dict[str, Any]:
+def channel_state(channel: WatchedChannel) -> dict[str, Any]:
     """Return the statistics of a channel; ``rate_hz`` is null for a silent or new channel."""
-    periods = channel.periods(now_s)
     return {
         "name": channel.name,
-        "type": channel.type_name[:_MAX_SHOWN_NAME],
+        "type": (channel.type_name or "")[:_MAX_SHOWN_NAME],
         "count": channel.count,
-        "rate_hz": periods.rate_hz if periods else None,
+        "rate_hz": channel.rate_hz,
         "once": channel.kind is not None and channel.is_single,
-        "latency_ms": None if channel.latency_s is None else channel.latency_s * 1e3,
+        "silent": channel.is_silent,
+        "pipeline_ms": None if channel.pipeline_delay_s is None else channel.pipeline_delay_s * 1e3,
         "bytes": channel.last_bytes,
         "lost": channel.lost,
         "undecodable": channel.undecodable,
-        "age_s": now_s - channel.received_s if channel.count else None,
+        "age_s": channel.silent_s,
     }
 
 

@@ -10,7 +10,7 @@ from graphnav.core.codec import DecodeError, codec_of
 from graphnav.core.errors import GraphnavError
 from graphnav.core.messages import About, Map, Message, Odometry, State
 from graphnav.core.pictures import Pictures
-from graphnav.core.record import ABOUT
+from graphnav.core.record import ABOUT, kind_of
 from graphnav.watch.export.entries.entries import Level, Line, Scalars, World
 from graphnav.watch.export.entries.event_lines import LINE_TYPES, Lines, heading
 from graphnav.watch.export.entries.message_entries import MessageEntries
@@ -23,13 +23,11 @@ from graphnav.watch.export.foxglove.foxglove_scene import (
     TRANSFORM_TOPIC,
 )
 from graphnav.watch.export.message_types import MessageTypes
-from graphnav.watch.spy import Received
-from graphnav.watch.view.announcements import Announcements
+from graphnav.watch.spy import Announcements, Received
 from graphnav.watch.view.foxglove.arrivals import Arrival, Batch
 from graphnav.watch.view.foxglove.losses import Losses, Reason
 from graphnav.watch.view.foxglove.message_history import MessageHistory
 from graphnav.watch.view.foxglove.shown_channels import ShownChannel, ShownChannels
-from graphnav.watch.view.message_types import Kinds
 
 _PATH_EVERY_S = 1.0
 _POSE_TOPICS = (POSE_TOPIC, TRANSFORM_TOPIC)
@@ -50,7 +48,6 @@ class Converter:
         self._past = MessageHistory(self._types)
         self._messages = MessageEntries(Pictures(catalog), self._past)
         self._lines = Lines()
-        self._kinds = Kinds()
         self._announcements = Announcements()
         self._about: About | None = None
         self._world: tuple[str, bytes] | None = None
@@ -98,11 +95,11 @@ class Converter:
         self._now_us = arrival.utime
         if arrival.channel == ABOUT:
             self._receive_about(arrival)
-        kind = self._kinds.of(arrival.data)
+        kind = kind_of(arrival.data)
         if kind is None:
             self.losses.add(Reason.UNKNOWN_TYPE, arrival.channel)
             return
-        if len(arrival.data) < kind.min_bytes:
+        if not kind.codec.fits(arrival.data):
             self.losses.add(Reason.UNDECODABLE, arrival.channel)
             return
         channel = self.channels.receive(arrival, kind.lcm_class)

@@ -3,7 +3,6 @@
 import { element, setClass, setText } from "./dom.js";
 import * as format from "./format.js";
 
-const SILENT_S = 3;
 
 export class Channels {
   constructor(body, choose) {
@@ -34,7 +33,7 @@ export class Channels {
   row(name) {
     const button = element("button", { type: "button", title: name, text: name });
     const type = element("span", { class: "type" });
-    const cells = ["rate", "latency", "lost", "bad-count", "size", "age"].map((kind) => element("td", { class: kind }));
+    const cells = ["rate", "delay", "lost", "bad-count", "size", "age"].map((kind) => element("td", { class: kind }));
     const line = element("tr", {}, element("th", { scope: "row" }, button, type), ...cells);
     line.addEventListener("click", () => this.choose(name));
     return { line, button, type, cells };
@@ -42,9 +41,9 @@ export class Channels {
 
   fill({ line, button, type, cells }, channel, isChosen) {
     setText(type, channel.type || "unknown type");
-    const isSilent = !channel.count || (channel.age_s > SILENT_S && !channel.once);
+    const isSilent = !channel.count || (channel.silent && !channel.once);
     const values = [
-      channel.once ? "once" : format.rate(channel.rate_hz), format.milliseconds(channel.latency_ms), format.count(channel.lost),
+      channel.once ? "once" : format.rate(channel.rate_hz), format.milliseconds(channel.pipeline_ms), format.count(channel.lost),
       format.count(channel.undecodable), channel.count ? format.size(channel.bytes) : format.NONE,
       format.seconds(channel.age_s),
     ];

@@ -141,18 +141,18 @@ export class Graph {
     port.name = port.names.find((name) => channels.get(name)?.count) ?? port.names[0];
     const channel = channels.get(port.name);
     const rateHz = channel?.rate_hz ?? input?.rate_hz;
-    const latencyMs = output?.sent ? output.latency_p50_ms : channel?.latency_ms;
+    const delayMs = output?.sent ? output.latency_p50_ms : channel?.pipeline_ms;
     const rejected = Object.values(input?.rejected ?? {}).reduce((sum, n) => sum + n, 0);
     const lost = input?.lost ?? channel?.lost;
     const drops = [channel?.count ? `${format.count(lost)} lost` : "not received"];
     if (rejected) drops.push(`${format.count(rejected)} rejected`);
     if (input?.fault) drops.push(input.fault);
-    const times = latencyMs == null ? [] : [format.milliseconds(latencyMs)];
+    const times = delayMs == null ? [] : [format.milliseconds(delayMs)];
     setText(port.rate, channel?.once ? "once" : format.rate(rateHz));
     // Only the worst fits between two boxes; the tooltip has all.
     setText(port.lost, (drops.length > 1 ? drops.slice(-1) : [...times, ...drops]).join(" · "));
     setClass(port.lost, "bad", lost || rejected || input?.fault);
-    setClass(port.label, "silent", !channel?.count || (channel.rate_hz === null && !channel.once));
+    setClass(port.label, "silent", !channel?.count || (channel.silent && !channel.once));
     for (const node of [port.label, port.wireGroup]) setClass(node, "chosen", port.name === chosen);
     const label = `${printable(port.ref)}: ${port.rate.textContent}, ${[...times, ...drops].join(" · ")}`;
     setText(port.title, label);

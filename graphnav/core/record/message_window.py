@@ -1,4 +1,4 @@
-"""Rates, periods and sizes over a channel's newest messages."""
+"""Rates, periods and sizes over a channel's newest messages, and when a channel counts as silent."""
 
 from __future__ import annotations
 
@@ -13,8 +13,18 @@ import numpy as np
 
 RECENT_S = 10.0
 """The time window of live rates; at least two messages."""
-MAX_MESSAGES = 10_000
+_MAX_MESSAGES = 10_000
 _RECENT_MESSAGES = 100
+_SILENT_PERIODS = 3
+_SILENT_S = 1.0
+
+
+def silent_after_s(period_s: float | None, min_s: float = _SILENT_S) -> float:
+    """Return the time without a message after which a sender with this period is silent.
+
+    It is 3 periods, at least ``min_s``; ``period_s``: None if it is not known.
+    """
+    return max(min_s, _SILENT_PERIODS * (period_s or 0.0))
 
 
 @dataclass(frozen=True)
@@ -45,9 +55,9 @@ class Sizes(NamedTuple):
 class Window:
     """The newest messages on one clock: up to 10,000, and optionally of the last ``recent_s`` seconds."""
 
-    def __init__(self, recent_s: float | None) -> None:
+    def __init__(self, recent_s: float | None, max_messages: int = _MAX_MESSAGES) -> None:
         self._recent_s = math.inf if recent_s is None else recent_s
-        self._newest: deque[tuple[float, float, int, int]] = deque(maxlen=MAX_MESSAGES)
+        self._newest: deque[tuple[float, float, int, int]] = deque(maxlen=max_messages)
 
     def add(self, at_s: float, time_s: float, number: int, n_bytes: int = 0) -> None:
         """Add a message that arrived at ``at_s``; ``time_s`` is its time on the window's clock.
@@ -62,6 +72,11 @@ class Window:
     def is_empty(self) -> bool:
         """Whether the window has no messages."""
         return not self._newest
+
+    @property
+    def newest_s(self) -> float:
+        """The arrival of the newest message; raises IndexError without messages."""
+        return self._newest[-1][0]
 
     def behind_s(self) -> float | None:
         """Return the median delay from the messages' times to their arrivals, over the newest 100."""
@@ -79,6 +94,12 @@ class Window:
         """Return the bytes of all messages except the first per second; None for a zero duration."""
         length_s = self._length_s()
         return (sum(n_bytes for *_, n_bytes in self._newest) - self._newest[0][-1]) / length_s if length_s > 0 else None
+
+    @property
+    def period_s(self) -> float | None:
+        """The mean time between two messages, including lost ones; None for a zero duration."""
+        rate_hz = self.rate_hz()
+        return 1 / rate_hz if rate_hz else None
 
     def rate_hz(self) -> float | None:
         """Return messages per second, including lost ones; None for a zero duration."""
