@@ -135,5 +135,6 @@ def test_a_signal_handler_may_order_while_a_command_is_written(pipe: Pipe) -> No
         signal.signal(signal.SIGALRM, old)
     pipe.writer.command(0, 0.0, b"")
     got += pipe.read()
-    assert sum(frame.kind == Kind.STOP for frame in got) == ordered
+    stops = sum(frame.kind == Kind.STOP for frame in got)
+    assert 0 < stops <= ordered  # of those that wait in a full pipe only the newest are kept
     assert {len(frame.payload) for frame in got if frame.kind == Kind.COMMAND} <= {5000, 0}
