@@ -147,6 +147,9 @@ from .core.spec import (
     FileFormat as FileFormat,
 )
 from .core.spec import (
+    Names as Names,
+)
+from .core.spec import (
     Range as Range,
 )
 from .core.spec import (

@@ -8,7 +8,7 @@ from graphnav.core.graph.overrides.option_text import parse_override, parse_over
 from graphnav.core.graph.overrides.override import Override, without_replaced
 from graphnav.core.graph.overrides.target import Target
 from graphnav.core.graph.resolved import resolved_yaml
-from graphnav.core.graph.schema.graph_schema import graph_schema
+from graphnav.core.graph.schema import graph_schema
 from graphnav.core.graph.wiring.stop_message import stop_fields
 from graphnav.core.spec import RunOptions
 

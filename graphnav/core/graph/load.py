@@ -18,7 +18,7 @@ from graphnav.core.graph.read.graph_files import read_files
 from graphnav.core.graph.read.plugin_files import load_plugins
 from graphnav.core.graph.read.renamed_params import accept_old_names
 from graphnav.core.run_folder import is_graph_of_run
-from graphnav.core.spec import Spec, parse_spec, read_bytes
+from graphnav.core.spec import Spec, outline, parse_spec, read_bytes
 
 
 def load_graph(
@@ -118,7 +118,7 @@ def outline_of_file(path: Path) -> Spec:
     """
     source = shown_path(path)
     files = read_files(read_bytes(path, Place(source)), path, source, [])
-    return parse_spec(merge_files(files, None, [], []).value)[0]
+    return outline(merge_files(files, None, [], []).value)
 
 
 def _without_repetitions(problems: list[Problem]) -> list[Problem]:

@@ -7,9 +7,8 @@ from typing import Any
 
 from graphnav.core.graph.graph import Graph
 from graphnav.core.graph.node import InputChannel, Node, OutputChannel
-from graphnav.core.spec.run import RECORD_KEYS, RunOptions
+from graphnav.core.spec import RunKeys, RunOptions, keys_of
 from graphnav.core.spec.write import write_value
-from graphnav.core.stage import params_of
 
 
 def resolved_yaml(graph: Graph, *, portable_paths: bool = True, plugins: Sequence[str] | None = None) -> str:
@@ -34,9 +33,8 @@ def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Ite
     if plugins:
         yield f"plugins: {write_value(plugins)}"
     yield "run:"
-    for name in params_of(type(graph.run)):
-        if name == "record" or name not in RECORD_KEYS.values():
-            yield f"  {name}: {write_value(_record(graph.run) if name == 'record' else getattr(graph.run, name))}"
+    for name in keys_of(RunKeys):
+        yield f"  {name}: {write_value(_record(graph.run) if name == 'record' else getattr(graph.run, name))}"
     yield "stages:"
     for node in graph.nodes:
         yield from _node_lines(node, portable_paths=portable_paths)
@@ -57,7 +55,7 @@ def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Ite
 
 def _record(run: RunOptions) -> Any:
     """Return what the log keeps, as a mapping where its file is rotated."""
-    words = {key: getattr(run, name) for key, name in RECORD_KEYS.items()}
+    words = {"keep": run.record, "rotate_mb": run.rotate_mb, "rotate_s": run.rotate_s}
     return words if run.rotate_mb is not None or run.rotate_s is not None else run.record
 
 

@@ -1,9 +1,9 @@
 """Read YAML: every value with its place, and what files may say, declared."""
 
-from graphnav.core.spec.check_types import check_types
 from graphnav.core.spec.declared import (
     DIALECT,
     FileFormat,
+    Names,
     Range,
     Record,
     Schema,
@@ -16,48 +16,66 @@ from graphnav.core.spec.declared import (
     record_object,
 )
 from graphnav.core.spec.file_bytes import read_bytes
-from graphnav.core.spec.outside import TIME_KEYS, InputSpec, OutputSpec, QueueSpec, parse_times
-from graphnav.core.spec.run import RECORD_KEYS, RecordOption, RunOptions, check_url, option_in
+from graphnav.core.spec.graph_keys import GRAPH, RESERVED_STAGES, STAGE_NAME, GraphKeys, StageKeys
+from graphnav.core.spec.run import LogKeys, RecordOption, RunKeys, RunOptions, check_url, option_in
 from graphnav.core.spec.scalar import Scalar, parse_scalar
-from graphnav.core.spec.spec import Spec, StageSpec, outline_of, parse_spec
+from graphnav.core.spec.spec import (
+    TIME_KEYS,
+    InputSpec,
+    OutputSpec,
+    QueueSpec,
+    Spec,
+    StageSpec,
+    outline,
+    outline_of,
+    parse_spec,
+    time_problems,
+)
 from graphnav.core.spec.value import Entry, Value
 from graphnav.core.spec.write import write_value
 from graphnav.core.spec.yaml import MAX_BYTES, parse_yaml
 
 __all__ = [
     "DIALECT",
+    "GRAPH",
     "MAX_BYTES",
-    "RECORD_KEYS",
+    "RESERVED_STAGES",
+    "STAGE_NAME",
     "TIME_KEYS",
     "Entry",
     "FileFormat",
+    "GraphKeys",
     "InputSpec",
+    "LogKeys",
+    "Names",
     "OutputSpec",
     "QueueSpec",
     "Range",
     "Record",
     "RecordOption",
+    "RunKeys",
     "RunOptions",
     "Scalar",
     "Schema",
     "Spec",
+    "StageKeys",
     "StageSpec",
     "Value",
-    "check_types",
     "check_url",
     "key",
     "keys_of",
     "object_schema",
     "option_in",
+    "outline",
     "outline_of",
     "param_schema",
     "parse_scalar",
     "parse_spec",
-    "parse_times",
     "parse_yaml",
     "plugin_formats",
     "read_bytes",
     "read_record",
     "record_object",
+    "time_problems",
     "write_value",
 ]

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from graphnav.core.errors import ParamError
-from graphnav.core.stage import param
+from graphnav.core.spec.declared import Record, key
+from graphnav.core.stage import param, params_of
 
 RecordOption = Literal["all", "small", "replayable"]
 """Selection of the messages that a log keeps."""
-
-RECORD_KEYS = {"keep": "record", "rotate_mb": "rotate_mb", "rotate_s": "rotate_s"}
-"""Keys of ``record`` where it is written as a mapping, and the options that these are."""
 
 
 def option_in(written: object) -> RecordOption | None:
@@ -64,3 +62,54 @@ class RunOptions:
         None,
         doc="LCM URL of the channels that leave and come in, live; null: LCM_DEFAULT_URL, else this machine's group",
     )
+
+
+def _same(option: str) -> Any:
+    """Return the key that is an option of a run."""
+    param = params_of(RunOptions)[option]
+    return key(param.default, doc=param.doc, ge=param.ge, gt=param.gt, le=param.le, lt=param.lt)
+
+
+class LogKeys(Record):
+    """`record`, where the log is rotated too."""
+
+    noun = "record"
+    named = "record"
+    example = "record: {keep: small, rotate_mb: 500}"
+
+    keep: RecordOption | None = _same("record")
+    rotate_mb: float | None = _same("rotate_mb")
+    rotate_s: float | None = _same("rotate_s")
+
+
+class RunKeys(Record):
+    """How a graph runs, unless the command line says otherwise."""
+
+    noun = "run"
+    named = "run"
+    example = "run: {until_s: 60, seed: 7}"
+
+    until_s: float | None = _same("until_s")
+    seed: int = _same("seed")
+    record: RecordOption | LogKeys | None = _same("record")
+    portable: bool = _same("portable")
+    url: str | None = _same("url")
+
+    @property
+    def log(self) -> LogKeys:
+        """What it says of the log."""
+        return self.record if isinstance(self.record, LogKeys) else LogKeys(keep=self.record)
+
+    @property
+    def options(self) -> RunOptions:
+        """The options that it gives."""
+        log = self.log
+        return RunOptions(
+            until_s=self.until_s,
+            seed=self.seed,
+            record=log.keep,
+            rotate_mb=log.rotate_mb,
+            rotate_s=log.rotate_s,
+            portable=self.portable,
+            url=self.url,
+        )

@@ -1,21 +1,33 @@
-"""Read a graph: the shape of its values is checked here, their meaning against the catalog later."""
+"""A graph as it is written: its shape is checked here, by the declared keys, its meaning against the catalog later."""
 
 from __future__ import annotations
 
-import re
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 from graphnav.core.errors import Place, Problem
-from graphnav.core.spec.outside import TIME_KEYS, InputSpec, OutputSpec, OutsideWords, QueueSpec
+from graphnav.core.spec.declared import key_problems, keys_of, read_record
+from graphnav.core.spec.graph_keys import (
+    FILE_KEYS,
+    RESERVED_STAGES,
+    SOURCE_KEYS,
+    STOP_AFTER_S,
+    GraphKeys,
+    InputKeys,
+    StageKeys,
+)
 from graphnav.core.spec.value import Entry, Value
 from graphnav.core.spec.yaml import parse_yaml
 
-GRAPH_KEYS = ("about", "extends", "plugins", "run", "stages", "channels", "inputs", "outputs", "queues")
-STAGE_KEYS = ("use", "with", "in", *TIME_KEYS)
-STAGE_NAME = re.compile(r"[a-z][a-z0-9_]*")
-RESERVED_STAGES = ("run",)
-"""No stage is called so: ``--set run.seed=1`` means the option."""
+TIME_KEYS = ("every_ms", "deadline_ms")
+"""Times of a stage."""
+Words = dict[str, Entry]
+"""A mapping of a file: keys and what is under them."""
+
+T = TypeVar("T", bool, int, float, str)
 
 
 @dataclass
@@ -26,10 +38,10 @@ class StageSpec:
     place: Place
     use: str
     use_place: Place
-    params: dict[str, Entry] = field(default_factory=dict)
-    wires: dict[str, Entry] = field(default_factory=dict)
+    params: Words = field(default_factory=dict)
+    wires: Words = field(default_factory=dict)
     """By input port; the value is a string, the reference."""
-    times: dict[str, Entry] = field(default_factory=dict)
+    times: Words = field(default_factory=dict)
     """``every_ms`` and ``deadline_ms`` where they are given; the value is a number."""
     has_timer: bool = False
     """Whether ``every_ms`` is written, right or wrong."""
@@ -44,15 +56,61 @@ class StageSpec:
 
 
 @dataclass
+class InputSpec:
+    """One of ``inputs``, without what is wrong."""
+
+    place: Place
+    type: Entry | None = None
+    """The value is a string."""
+    channel: Entry | None = None
+    """The value is a string; None: the reference, in a log."""
+    log: Entry | None = None
+    """The value is a string."""
+    max_age_s: float | None = None
+
+    @property
+    def channel_name(self) -> str:
+        """The LCM channel, or that in the log; empty where the reference is meant."""
+        return "" if self.channel is None else str(self.channel.value.data)
+
+
+@dataclass
+class OutputSpec:
+    """One of ``outputs``, without what is wrong."""
+
+    place: Place
+    channel: Entry | None = None
+    """The value is a string."""
+    type: Entry | None = None
+    """The value is a string; None: the type of the message itself."""
+    motor: bool | None = None
+    """None: the graph does not say."""
+    max_age_s: float = STOP_AFTER_S
+    stop: Entry | None = None
+    """The value is a mapping."""
+    unclear: bool = False
+    """Whether something is wrong with it, so that what seems missing may be in it."""
+
+
+@dataclass(frozen=True)
+class QueueSpec:
+    """One of ``queues``."""
+
+    place: Place
+    keep: int | None
+    """None: as many as memory allows."""
+
+
+@dataclass
 class Spec:
     """A graph as it is written."""
 
     about: str = ""
-    run: dict[str, Entry] = field(default_factory=dict)
+    run: Words = field(default_factory=dict)
     stages: dict[str, StageSpec] = field(default_factory=dict)
     stages_place: Place | None = None
-    channels: dict[str, Entry] = field(default_factory=dict)
-    """By reference; the value is a string, the channel's name."""
+    channels: Words = field(default_factory=dict)
+    """By reference; the value is the channel's name."""
     inputs: dict[str, InputSpec] = field(default_factory=dict)
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
     queues: dict[str, QueueSpec] = field(default_factory=dict)
@@ -62,8 +120,18 @@ class Spec:
 
 def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:
     """Return a graph as it is written, and everything that is wrong with its shape."""
-    parser = _Parser()
-    return parser.graph(value), parser.problems
+    problems = list(_problems(value))
+    spec, wrong = outline(value), {problem.place for problem in problems}
+    for ref, entry in _section(_mapping(value), "outputs").items():
+        words = _mapping(entry.value)
+        places = [p for one in (entry, *words.values()) for p in (one.place, one.value.place)]
+        spec.outputs[ref].unclear = not wrong.isdisjoint(places)
+    return spec, problems
+
+
+def time_problems(stage: str, key: str, value: Value) -> list[Problem]:
+    """Return what is wrong with one of `TIME_KEYS` of a stage."""
+    return key_problems(StageKeys, stage, key, value)
 
 
 def outline_of(data: bytes, source: str) -> Spec:
@@ -76,78 +144,147 @@ def outline_of(data: bytes, source: str) -> Spec:
     UserError
         They are not YAML, or beyond a limit of `parse_yaml`.
     """
-    return parse_spec(parse_yaml(data, source)[0])[0]
+    return outline(parse_yaml(data, source)[0])
 
 
-class _Parser(OutsideWords):
-    def graph(self, value: Value) -> Spec:
-        spec = Spec()
-        if value.data is None:
-            self._problem(value.place, "the graph is empty", "write stages: and what they use")
-            return spec
-        words = self._mapping(value, "a graph")
-        if deploy := words.pop("deploy", None):
-            what = "'deploy' is not supported yet: all stages of a graph run in one process"
-            self._problem(deploy.place, what, "remove it; for several processes, connect graphs by inputs and outputs")
-        self._known(words, GRAPH_KEYS, "a graph")
-        if "about" in words:
-            spec.about = self._text(words["about"].value, "'about'")
-        spec.run = self._section(words, "run")
-        if "stages" in words:
-            spec.stages_place = words["stages"].place
-            spec.stages = self._stages(words["stages"])
-        elif isinstance(value.data, dict):
-            self._problem(value.place, "the graph has no 'stages'", "write stages: and what they use")
-        spec.channels = self._section(words, "channels")
-        for ref, entry in spec.channels.items():
-            self._text(entry.value, f"the channel name of '{ref}'")
-        spec.inputs, spec.outputs, spec.queues = self._inputs(words), self._outputs(words), self._queues(words)
-        return spec
+def outline(value: Value) -> Spec:
+    """Return what a graph says, as far as it can be read."""
+    words = _mapping(value)
+    stages = {name: _stage(name, entry) for name, entry in _section(words, "stages").items()}
+    queues = {ref: _queue(entry) for ref, entry in _section(words, "queues").items()}
+    return Spec(
+        about=_data(words, "about", str) or "",
+        run=_section(words, "run"),
+        stages={name: stage for name, stage in stages.items() if stage is not None},
+        stages_place=words["stages"].place if "stages" in words else None,
+        channels=_section(words, "channels"),
+        inputs={ref: _input(entry) for ref, entry in _section(words, "inputs").items() if not _is_queue(entry)},
+        outputs={ref: _output(entry) for ref, entry in _section(words, "outputs").items()},
+        queues=queues,
+    )
 
-    def _stages(self, entry: Entry) -> dict[str, StageSpec]:
-        stages = self._mapping(entry.value, "'stages'")
-        if not stages and isinstance(entry.value.data, dict | None):
-            self._problem(entry.place, "the graph has no stages", "write a name and what it uses")
-        return {name: spec for name, stage in stages.items() if (spec := self._stage(name, stage))}
 
-    def _stage(self, name: str, entry: Entry) -> StageSpec | None:
-        if not STAGE_NAME.fullmatch(name):
-            self._problem(
-                entry.place,
-                f"'{name}' cannot be a stage's name",
-                "use small letters, digits and _, beginning with a letter",
-            )
-        if name in RESERVED_STAGES:
-            self._problem(entry.place, f"no stage can be called '{name}'", f"'--set {name}.…' means the options")
-        if isinstance(entry.value.data, str):
-            self._problem(
-                entry.value.place,
-                f"stage '{name}' must be a mapping, not {entry.value.kind}",
-                f"write {name}: {{use: {entry.value.data}}}",
-            )
-            return None
-        words = self._mapping(entry.value, f"stage '{name}'")
-        if not isinstance(entry.value.data, dict | None):
-            return None
-        unclear = not self._known(words, STAGE_KEYS, f"stage '{name}'")
-        if "use" not in words or words["use"].value.data in (None, ""):
-            self._problem(entry.place, f"stage '{name}' does not say what it uses", "write use: family.stage")
-            return None
-        use_entry = words["use"]
-        use = use_entry.value
-        wires = self._section(words, "in", f"'in' of stage '{name}'")
-        for port, wire in wires.items():
-            self._text(wire.value, f"the wire of '{name}.{port}'", "write stage.port")
-        return StageSpec(
-            name=name,
-            place=entry.place,
-            use=self._text(use, f"'use' of stage '{name}'", "write family.stage"),
-            use_place=use.place,
-            params=self._section(words, "with", f"'with' of stage '{name}'"),
-            wires={port: wire for port, wire in wires.items() if isinstance(wire.value.data, str)},
-            unwired={port for port, wire in wires.items() if not isinstance(wire.value.data, str)},
-            times=self.times(words, f"stage '{name}'"),
-            has_timer="every_ms" in words,
-            unclear=unclear
-            or any(not isinstance(words[word].value.data, dict | None) for word in ("with", "in") if word in words),
-        )
+def _stage(name: str, entry: Entry) -> StageSpec | None:
+    """Return a stage; None for one that does not say what it uses."""
+    words = _mapping(entry.value)
+    if "use" not in words or words["use"].value.data in (None, ""):
+        return None
+    wires = _section(words, "in")
+    sections = [words[key].value.data for key in ("with", "in") if key in words]
+    return StageSpec(
+        name=name,
+        place=entry.place,
+        use=_data(words, "use", str) or "",
+        use_place=words["use"].value.place,
+        params=_section(words, "with"),
+        wires={port: wire for port, wire in wires.items() if isinstance(wire.value.data, str)},
+        unwired={port for port, wire in wires.items() if not isinstance(wire.value.data, str)},
+        times={key: words[key] for key in TIME_KEYS if _number(words, key) is not None},
+        has_timer="every_ms" in words,
+        unclear=not words.keys() <= keys_of(StageKeys).keys() or not all(isinstance(s, dict | None) for s in sections),
+    )
+
+
+def _input(entry: Entry) -> InputSpec:
+    words = _mapping(entry.value)
+    channel, log, lcm_type = (_string(words, key) for key in ("channel", "log", "type"))
+    return InputSpec(entry.place, lcm_type, channel, log, _number(words, "max_age_s"))
+
+
+def _is_queue(entry: Entry) -> bool:
+    """Return whether an entry of ``inputs`` has the keys of a queue, as it had in older versions."""
+    words = _mapping(entry.value)
+    return "keep" in words and not {*SOURCE_KEYS, "type"} & words.keys()
+
+
+def _output(entry: Entry) -> OutputSpec:
+    words = _mapping(entry.value)
+    max_age_s = _number(words, "max_age_s")
+    return OutputSpec(
+        entry.place,
+        _string(words, "channel"),
+        _string(words, "type"),
+        _data(words, "motor", bool) if "motor" in words else None,
+        STOP_AFTER_S if max_age_s is None else max_age_s,
+        words.get("stop") if _section(words, "stop") else None,
+    )
+
+
+def _queue(entry: Entry) -> QueueSpec:
+    return QueueSpec(entry.place, _data(_mapping(entry.value), "keep", int))
+
+
+def _problems(value: Value) -> Iterator[Problem]:
+    """Yield what is wrong with the shape of a graph; options of the run are read once overrides are applied."""
+    if value.data is None:
+        yield Problem(value.place, "the graph is empty", "write stages: and what they use")
+        return
+    words = {key: entry for key, entry in _mapping(value).items() if key not in FILE_KEYS}
+    if deploy := words.pop("deploy", None):
+        what = "'deploy' is not supported yet: all stages of a graph run in one process"
+        yield Problem(deploy.place, what, "remove it; for several processes, connect graphs by inputs and outputs")
+    yield from _reserved_names(_section(words, "stages"))
+    yield from _lacking_sources(_section(words, "inputs"))
+    yield from _idle_stops(_section(words, "outputs"))
+    if _section(words, "run"):
+        del words["run"]
+    if inputs := _section(words, "inputs"):
+        inputs = {ref: entry for ref, entry in inputs.items() if not _is_queue(entry)}
+        words["inputs"] = Entry(words["inputs"].place, Value(inputs, words["inputs"].value.place))
+    yield from read_record(GraphKeys, Value(words, value.place) if isinstance(value.data, dict) else value)[1]
+
+
+def _reserved_names(stages: Words) -> Iterator[Problem]:
+    for name in RESERVED_STAGES:
+        if name in stages:
+            hint = f"'--set {name}.…' means the options"
+            yield Problem(stages[name].place, f"no stage can be called '{name}'", hint)
+
+
+def _lacking_sources(inputs: Words) -> Iterator[Problem]:
+    """Yield what is wrong with inputs that do not say where they come from."""
+    for ref, entry in inputs.items():
+        words = _mapping(entry.value)
+        if _is_queue(entry):
+            what = f"'inputs' names channels that other programs write, but '{ref}' has the keys of a queue"
+            keep = words["keep"].value.data
+            keep = keep if isinstance(keep, int | str) else "all"
+            yield Problem(entry.place, what, f"write queues: {{{ref}: {{keep: {keep}}}}}")
+        elif isinstance(entry.value.data, dict | None) and words.keys() <= keys_of(InputKeys).keys() - SOURCE_KEYS:
+            hint = f"write {ref}: {{channel: NAME, type: package.type_t}}, or log: FILE in place of the channel"
+            yield Problem(entry.place, f"the input '{ref}' does not say where it comes from", hint)
+
+
+def _idle_stops(outputs: Words) -> Iterator[Problem]:
+    """Yield the stops of outputs that are not motors."""
+    for ref, entry in outputs.items():
+        words = _mapping(entry.value)
+        motor = _data(words, "motor", bool) if "motor" in words else False
+        if "stop" in words and motor is False:
+            what = f"the output '{ref}' has a 'stop', but is not a motor output"
+            yield Problem(words["stop"].place, what, "write motor: true, or remove the stop")
+
+
+def _mapping(value: Value) -> Words:
+    """Return a mapping, empty where there is something else."""
+    return value.data if isinstance(value.data, dict) else {}
+
+
+def _section(words: Words, key: str) -> Words:
+    """Return a copy of the mapping under a key, empty where there is none."""
+    return dict(_mapping(words[key].value)) if key in words else {}
+
+
+def _data(words: Words, key: str, kind: type[T]) -> T | None:
+    """Return the scalar under a key, None where there is none of the kind."""
+    data = words[key].value.data if key in words else None
+    return data if type(data) is kind else None
+
+
+def _string(words: Words, key: str) -> Entry | None:
+    return words[key] if _data(words, key, str) else None
+
+
+def _number(words: Words, key: str) -> float | None:
+    number = _data(words, key, float)
+    return _data(words, key, int) if number is None or not math.isfinite(number) else number

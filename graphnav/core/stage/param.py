@@ -71,6 +71,14 @@ class Param:
                 self._check_bounds(number)
         return parsed
 
+    def accepts(self, value: Any) -> bool:
+        """Return whether `parse` reads ``value``."""
+        try:
+            self.parse(value)
+        except ParamError:
+            return False
+        return True
+
     def _check_bounds(self, number: float) -> None:
         fits = (
             (self.ge is None or number >= self.ge)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import keyword
+import re
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -24,12 +25,12 @@ def main(args: argparse.Namespace) -> int:
     """Run the command; existing files are not overwritten."""
     from graphnav.core.catalog import ADAPTERS, Catalog
     from graphnav.core.messages import snake_case
-    from graphnav.core.spec.spec import STAGE_NAME
+    from graphnav.core.spec import STAGE_NAME
     from graphnav.develop.commands.stage_hints import hints
     from graphnav.develop.commands.stage_templates import stage_text, test_text
 
     for word in (args.family, args.name):
-        if not STAGE_NAME.fullmatch(word) or keyword.iskeyword(word):
+        if not re.fullmatch(STAGE_NAME, word) or keyword.iskeyword(word):
             raise UserError.of(f"'{word}' cannot be a name", "use small letters, digits and _, beginning with a letter")
     if args.family == ADAPTERS:
         raise UserError.of(f"the family '{ADAPTERS}' is reserved for adapters", "choose another family")

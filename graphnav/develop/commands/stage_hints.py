@@ -8,8 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from graphnav.core.graph import shipped_graphs
-from graphnav.core.spec import parse_spec, parse_yaml
-from graphnav.core.spec.spec import RESERVED_STAGES
+from graphnav.core.spec import RESERVED_STAGES, outline_of
 from graphnav.develop.commands.stage_kinds import kind_of
 
 _TRY_S = 10
@@ -34,7 +33,7 @@ def _tried(family: str, name: str) -> tuple[str, str]:
     kind = kind_of(family)
     if kind.swaps:
         return kind.graph, kind.swaps
-    spec, _ = parse_spec(parse_yaml(shipped_graphs()[kind.graph].read_bytes(), kind.graph)[0])
+    spec = outline_of(shipped_graphs()[kind.graph].read_bytes(), kind.graph)
     taken = {*spec.stages, *RESERVED_STAGES, "graphnav"}
     free = (called for called in (name, f"new_{name}", "new_stage") if called not in taken and len(called) <= _MAX_NAME)
     return kind.graph, f"{next(free)}+"

@@ -38,15 +38,14 @@ def build_index() -> Index:
     """Return the index; it imports every plugin, which takes about a second. Unusable ones are left out."""
     from graphnav.core.catalog import Catalog
     from graphnav.core.graph import shipped_folder
-    from graphnav.core.spec import RunOptions
-    from graphnav.core.stage import params_of
+    from graphnav.core.spec import RunKeys, keys_of
 
     catalog = Catalog()
     index = Index(families=list(catalog.families()))
     folder = shipped_folder()
     paths = (path for name in ("maps", "models") for path in sorted(folder.glob(f"{name}/*.*")))
     index.files.extend(path.relative_to(folder).as_posix() for path in paths)
-    index.run_options.update({name: _values(param.type, []) for name, param in params_of(RunOptions).items()})
+    index.run_options.update({name: _values(key.type, []) for name, key in keys_of(RunKeys).items()})
     for family in index.families:
         with suppress(GraphnavError):
             _add_stages(index, catalog, family)

@@ -117,7 +117,7 @@ def test_one_or_a_list_may_be_written() -> None:
         ),
         ("{tent: true, lamps: [{}]}", ["f:1:22: a lamp needs 'at_m': where it is\n  write at_m: [x, y]"]),
         ("{tent: true, floors: 0}", ["f:1:22: 'floors' is 0, but must be >= 1 and <= 9"]),
-        ("{tent: true, rooms: {hall: [1, -2]}}", ["f:1:32: 'hall[1]' is -2, but must be >= 0"]),
+        ("{tent: true, rooms: {hall: [1, -2]}}", ["f:1:32: 'rooms.hall[1]' is -2, but must be >= 0"]),
         (
             "{tent: true, lamps: [{at_m: [1, 2], power_w: [90, 20]}]}",
             ["f:1:46: the range of 'power_w' begins with its larger end\n  write [20, 90]"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -9,8 +10,7 @@ from typing import Literal
 from graphnav.core.errors import Place, Problem, did_you_mean
 from graphnav.core.graph.overrides.override import Override
 from graphnav.core.graph.wiring.settings import SET
-from graphnav.core.spec import TIME_KEYS, Entry, Spec
-from graphnav.core.spec.spec import RESERVED_STAGES, STAGE_NAME
+from graphnav.core.spec import RESERVED_STAGES, STAGE_NAME, TIME_KEYS, Entry, Spec
 
 Kind = Literal["swap", "add", "param", "time", "wire", "run"]
 
@@ -87,7 +87,7 @@ def _name_problem(override: Override, name: str, stages: Sequence[str], existing
     if name in existing:
         hint = f"choose another name, or swap it with {SET} {name}={override.value}"
         return Problem(place, f"there is a stage '{name}' already", hint, "duplicate")
-    if not STAGE_NAME.fullmatch(name):
+    if not re.fullmatch(STAGE_NAME, name):
         hint = "use small letters, digits and _, beginning with a letter"
         return Problem(place, f"'{name}' cannot be a stage's name", hint)
     if name in RESERVED_STAGES:

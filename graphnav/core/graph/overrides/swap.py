@@ -12,7 +12,7 @@ from graphnav.core.graph.overrides.carry_over import kept_params, kept_wires, lo
 from graphnav.core.graph.overrides.override import Override
 from graphnav.core.graph.overrides.prune import prune
 from graphnav.core.graph.overrides.rewire import Rewiring
-from graphnav.core.spec import Spec, StageSpec, parse_times
+from graphnav.core.spec import Spec, StageSpec, time_problems
 
 
 def apply_overrides(
@@ -39,8 +39,9 @@ def apply_overrides(
 
 
 def _set_time(stage: StageSpec, given: Assignment, problems: list[Problem]) -> None:
-    times, found = parse_times({given.key: given.entry}, f"stage '{stage.name}'")
-    stage.times |= times
+    found = time_problems(stage.name, given.key, given.entry.value)
+    if not found:
+        stage.times[given.key] = given.entry
     stage.has_timer |= given.key == "every_ms"
     problems += found
 

@@ -51,8 +51,7 @@ def merge_files(
     stages = StageMerge(catalog, problems)
     for file in files[1:]:
         if not isinstance(value.data, dict | None):
-            problems.append(Problem(value.place, f"a graph must be a mapping, not {value.kind}"))
-            break
+            break  # told with the other errors of its shape
         value = _merged(value, file.value, stages, problems)
     words = value.data if isinstance(value.data, dict) else {}
     notices += stages.notices(words.get("stages"))

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from graphnav.core.errors import ParamError, Place, Problem, did_you_mean
 from graphnav.core.graph.node import Origin, Setting
 from graphnav.core.graph.paths import beside, has_path, resolve_paths
-from graphnav.core.spec import RECORD_KEYS, Entry, RunOptions, StageSpec, check_url
+from graphnav.core.spec import Entry, RunKeys, RunOptions, StageSpec, Value, check_url, read_record
 from graphnav.core.stage import Param, Stage, params_of
 
 SET: Literal["--set"] = "--set"
@@ -74,38 +74,26 @@ def _written(param: Param, entry: Entry, folders: Mapping[str, Path]) -> Any:
 
 def run_options(entries: Mapping[str, Entry], problems: list[Problem]) -> RunOptions:
     """Return what ``run:`` says; what is wrong is added to ``problems``."""
-    declared = params_of(RunOptions)
-    top = {name: param for name, param in declared.items() if name not in RECORD_KEYS.values() or name == "record"}
-    problems += _unknown(entries, top, "'run' has no key")
-    given: dict[str, Any] = {}
-    for name, entry in _flat(entries, declared, problems).items():
-        if name in declared:
-            try:
-                given[name] = declared[name].parse(entry.value.plain())
-                if name == "url" and given[name] is not None:
-                    check_url(given[name])
-            except ParamError as error:
-                problems.append(Problem(entry.value.place, f"run: {error.what}", error.hint))
-    return RunOptions(**given)
-
-
-def _flat(entries: Mapping[str, Entry], declared: Mapping[str, Param], problems: list[Problem]) -> dict[str, Entry]:
-    """Return the entries of ``run``, in which ``record`` may be a mapping, by the names of options."""
-    found = {name: entry for name, entry in entries.items() if name not in RECORD_KEYS.values() or name == "record"}
-    record = found.get("record")
-    if record is not None and isinstance(record.value.data, dict):
-        del found["record"]
-        words: dict[str, Entry] = record.value.data
-        problems += _unknown(words, {key: declared[name] for key, name in RECORD_KEYS.items()}, "'record' has no key")
-        found |= {RECORD_KEYS[key]: entry for key, entry in words.items() if key in RECORD_KEYS}
-    return found
+    split = {name: entry for name, entry in entries.items() if name.startswith("record.")}
+    hint = "its keys are set together: run.record={keep: small, rotate_mb: 500}"
+    problems += [Problem(entry.place, f"run has no key '{name}'", hint, "unknown") for name, entry in split.items()]
+    rest = {name: entry for name, entry in entries.items() if name not in split}
+    keys, found = read_record(RunKeys, Value(rest, Place("run")))
+    problems += found
+    if keys is None:
+        return RunOptions()
+    try:
+        if keys.url is not None:
+            check_url(keys.url)
+    except ParamError as error:
+        problems.append(Problem(keys.place("url"), f"run: {error.what}", error.hint))
+    return keys.options
 
 
 def _unknown(entries: Mapping[str, Entry], declared: Mapping[str, Param], what: str) -> Iterator[Problem]:
     known = f"it has {', '.join(declared)}" if declared else "it has none"
-    together = "its keys are set together: run.record={keep: small, rotate_mb: 500}"
     renamed = {param.renamed_from: param.name for param in declared.values() if param.renamed_from}
     for name, entry in entries.items():
         if name not in declared:
-            hint = together if name.startswith("record.") else did_you_mean(name, declared, renamed) or known
+            hint = did_you_mean(name, declared, renamed) or known
             yield Problem(entry.place, f"{what} '{name}'", hint, "unknown")

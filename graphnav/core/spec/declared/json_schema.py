@@ -47,7 +47,7 @@ def record_object(cls: type[Record], found: dict[str, Schema]) -> Schema:
     if cls.one_of:
         given = {"not": {"type": "null"}}
         schema["oneOf"] = [{"required": [name], "properties": {name: given}} for name in cls.one_of]
-    return schema
+    return {**schema, **cls.conditions}
 
 
 def _reference(cls: type[Record], found: dict[str, Schema]) -> Schema:
@@ -62,6 +62,14 @@ def _key(key: Key, found: dict[str, Schema]) -> Schema:
     schema = _type(key.type, found)
     if key.min_items:
         _set(schema, "array", {"minItems": key.min_items})
+    if key.min_items and is_mapping(key.type):
+        schema["minProperties"] = key.min_items
+    if key.not_empty:
+        _set(schema, "string", {"minLength": 1})
+    if key.pattern:
+        _set(schema, "string", {"pattern": f"^{key.pattern}$"})
+    if key.names:
+        _set(schema, "object", {"propertyNames": {"pattern": f"^{key.names.pattern}$"}})
     return _described(schema, key.bounds, key.doc, () if key.plain_default is None else (key.plain_default,))
 
 

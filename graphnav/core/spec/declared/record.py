@@ -53,10 +53,16 @@ class Record:
 
     noun: ClassVar[str] = "this mapping"
     """Noun for one such mapping in error messages: "a wall"."""
+    named: ClassVar[str] = ""
+    """Where names are free, what messages call the one of a name: "stage '{}'". Nothing under a name is a mapping."""
+    short: ClassVar[str] = ""
+    """The key that is proposed where a string stands in place of one that has a name."""
     one_of: ClassVar[tuple[str, ...]] = ()
     """Keys of which exactly one is given."""
     renamed: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """Names that keys had, and those that they have."""
+    conditions: ClassVar[Mapping[str, Any]] = MappingProxyType({})
+    """Keywords of a JSON Schema for keys that depend on each other; what reads it checks the same."""
     example: ClassVar[str] = ""
     """YAML of one of it, for the reference page."""
 
@@ -79,6 +85,17 @@ class Record:
 
 
 @dataclass(frozen=True)
+class Names:
+    """Legal names in a mapping with free names."""
+
+    pattern: str
+    """A regular expression."""
+    what: str = ""
+    """What messages say that another one cannot be: "a stage's name"; empty where only a JSON Schema refuses it."""
+    hint: str = ""
+
+
+@dataclass(frozen=True)
 class Key:
     """A declared key."""
 
@@ -89,6 +106,12 @@ class Key:
     bounds: Mapping[str, float | None]
     min_items: int = 0
     hint: str = ""
+    field: str = ""
+    """The field of the record."""
+    missing: str = ""
+    pattern: str = ""
+    not_empty: bool = False
+    names: Names | None = None
 
     @property
     def required(self) -> bool:
@@ -118,6 +141,11 @@ def key(
     lt: float | None = None,
     min_items: int = 0,
     hint: str = "",
+    name: str = "",
+    missing: str = "",
+    pattern: str = "",
+    not_empty: bool = False,
+    names: Names | None = None,
 ) -> Any:
     """Declare a key of a `Record`.
 
@@ -130,12 +158,23 @@ def key(
     ge, gt, le, lt
         Bounds of every number in it: at least, above, at most, below.
     min_items
-        The shortest list.
+        The shortest list or mapping.
     hint
         What errors propose: "write ...".
+    name
+        The key, where Python has no such name for a field.
+    missing
+        What messages say of the mapping if a required key is not given: "does not say what it uses".
+    pattern
+        A regular expression of its strings, for a JSON Schema alone: what uses them tells more precisely what is wrong.
+    not_empty
+        Whether its strings must have characters.
+    names
+        Legal names, where they are free.
     """
     bounds = {"ge": ge, "gt": gt, "le": le, "lt": lt}
-    metadata = {"doc": doc, "bounds": bounds, "min_items": min_items, "hint": hint}
+    metadata = {"doc": doc, "bounds": bounds, "min_items": min_items, "hint": hint, "name": name, "missing": missing}
+    metadata |= {"pattern": pattern, "not_empty": not_empty, "names": names}
     return dataclasses.field(default=default, kw_only=True, metadata=metadata)
 
 
@@ -160,5 +199,7 @@ def _keys_of(cls: Any) -> Mapping[str, Key]:
         if "doc" not in field.metadata:
             what = f"field '{field.name}' of {cls.__qualname__} is not a key: write {field.name}: ... = key(doc=...)"
             raise DeclarationError(what)
-        found[field.name] = Key(field.name, hints[field.name], field.default, **field.metadata)
+        name = field.metadata["name"] or field.name
+        declared = {word: value for word, value in field.metadata.items() if word != "name"}
+        found[name] = Key(name, hints[field.name], field.default, field=field.name, **declared)
     return MappingProxyType(found)

@@ -15,9 +15,9 @@ from graphnav.core.errors import Place, shown_path
 from graphnav.core.graph import Override, Target, parse_override
 from graphnav.core.machine.atomic_write import write_atomically
 from graphnav.core.machine.regular_file import read_json
-from graphnav.core.spec import check_types
 from graphnav.core.stage import Better, Metric, Role
 from graphnav.studies.ablation.plan import former_plan
+from graphnav.studies.ablation.plan.check_types import check_types
 from graphnav.studies.ablation.study import Decomposition, MetricExpression
 
 RUNS = "runs"
