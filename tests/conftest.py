@@ -22,7 +22,7 @@ from graphnav.core.bus import require_route
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import BusError
 from graphnav.core.graph import Graph, graph_of, parse_override
-from tests.figures import Figures
+from tests.targets import Targets
 
 TOYS = Path(__file__).parent / "errors" / "stages.py"
 
@@ -48,7 +48,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Declare what ``tools/check.py quick`` limits the time with, and what tests that take minutes to hours need."""
     parser.addoption("--within-s", type=float, help="skip tests that would begin later, counted from the first")
     slow = parser.getgroup("slow tests")
-    slow.addoption("--slow", action="store_true", help="run the tests marked slow, which print figures, and no others")
+    slow.addoption(
+        "--slow", action="store_true", help="run the tests marked slow, which print what they measure, and no others"
+    )
     slow.addoption("--seeds", default="1000:1020", help="FIRST:END, END excluded, of slow tests (default 1000:1020)")
     slow.addoption("--jobs", type=int, default=2, help="drives at a time in a slow test (default 2)")
 
@@ -129,17 +131,17 @@ def pytest_unconfigure() -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, object, object]:
-    """Fail a test whose figures miss their targets."""
+    """Fail a test that misses a target."""
     result = yield
-    figures = pyfuncitem.funcargs.get("figures")
-    if isinstance(figures, Figures) and figures.missed:
-        pytest.fail("\n".join(["missed:", *figures.missed]), pytrace=False)
+    targets = pyfuncitem.funcargs.get("targets")
+    if isinstance(targets, Targets) and targets.missed:
+        pytest.fail("\n".join(["missed:", *targets.missed]), pytrace=False)
     return result
 
 
 @pytest.fixture
-def figures(request: pytest.FixtureRequest) -> Figures:
-    """Return what prints the figures of this test, whatever pytest captures."""
+def targets(request: pytest.FixtureRequest) -> Targets:
+    """Return the printer of what this test measures, whatever pytest captures."""
     capture = request.config.pluginmanager.getplugin("capturemanager")
 
     def show(text: str) -> None:
@@ -147,7 +149,7 @@ def figures(request: pytest.FixtureRequest) -> Figures:
             print(text, flush=True)
 
     show(f"\n== {request.node.name}")
-    return Figures(show)
+    return Targets(show)
 
 
 @contextmanager

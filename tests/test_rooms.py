@@ -33,7 +33,7 @@ def tree_without(rooms: Collection[str], folder: Path) -> Path:
         shutil.rmtree(folder / "graphnav" / room)
     for part in ("core", "errors", "fixtures"):
         shutil.copytree(ROOT / "tests" / part, folder / "tests" / part, ignore=ignored)
-    for name in ("tests/conftest.py", "tests/figures.py", "pyproject.toml", "README.md"):
+    for name in ("tests/conftest.py", "tests/targets.py", "pyproject.toml", "README.md"):
         shutil.copy(ROOT / name, folder / name)
     (folder / "tools").mkdir()
     return folder

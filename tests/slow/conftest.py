@@ -1,4 +1,4 @@
-"""What tests that take minutes to hours share: seeds, the number of processes, and drives made once."""
+"""Fixtures of tests that take minutes to hours: seeds, the number of processes, and drives made once."""
 
 from __future__ import annotations
 

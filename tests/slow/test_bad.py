@@ -30,7 +30,7 @@ from testbed.rig import Rig
 
 from graphnav import Recording, Status
 from graphnav.core.record import LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .bad_sender import GARBAGE, SECOND_WRITER, WELL_FORMED
 
@@ -114,9 +114,9 @@ class TrueSenders:
 
 
 @pytest.mark.parametrize("channel", CLASSES)
-def test_bad(figures: Figures, seeds: range, tmp_path: Path, channel: str) -> None:
+def test_bad(targets: Targets, seeds: range, tmp_path: Path, channel: str) -> None:
     """Send every kind of bad message on a channel during a drive; print what was counted."""
-    _judge(figures, _drive(channel, seeds[0], tmp_path))
+    _judge(targets, _drive(channel, seeds[0], tmp_path))
 
 
 def _drive(channel: str, seed: int, folder: Path) -> Heard:
@@ -209,7 +209,7 @@ def _engages(data: bytes) -> bool:
     return bool(graphnav_lcm.stop_t.decode(data).engaged)
 
 
-def _judge(figures: Figures, heard: Heard) -> None:
+def _judge(targets: Targets, heard: Heard) -> None:
     ref = INPUTS[heard.channel]
     for phase in heard.phases:
         before = next((c for utime, c in reversed(heard.status) if utime <= phase.begin_us), {})
@@ -219,11 +219,11 @@ def _judge(figures: Figures, heard: Heard) -> None:
         sent = f" ({phase.n_sent} sent)" if phase.n_sent else ""
         drove = "drives on" if phase.drove_on else "does not drive on"
         text = f"{heard.channel}, {phase.kind}{sent}: counted {counted}; {drove}"
-        figures.check(text, good=is_met and phase.drove_on)
+        targets.check(text, good=is_met and phase.drove_on)
     summed = _rejected(next(one for one in heard.summary["live"]["inputs"] if one["name"] == ref))
     rejected = heard.top[ref]["rejected"]
     agree = all(rejected.get(reason, 0) <= n for reason, n in summed.items()) and set(rejected) == set(summed)
-    figures.check(
+    targets.check(
         f"{heard.channel}: of {heard.delivered} messages that stages got {heard.foreign} were not the sender's; top "
         f"and summary {'agree' if agree else 'differ'}: {summed}; the run ended: {heard.outcome}, the robot's: "
         f"{heard.robot}",

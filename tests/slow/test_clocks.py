@@ -12,7 +12,7 @@ from testbed.rig import Rig
 
 from graphnav import GuardState, Recording
 from graphnav.core.record import LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 NUMBER = 215
 LOOK_S = 10.0
@@ -45,7 +45,7 @@ CASES = (
 assert {case.fault["stamps"] for case in CASES if "stamps" in case.fault} == set(STAMPS)
 
 
-def test_clocks(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_clocks(targets: Targets, seeds: range, tmp_path: Path) -> None:
     """Navigate with each fault of the camera's stamps, the first as many as there are seeds; print the lines."""
     cases = CASES[: len(seeds)]
     duration_s = (LOOK_S + 10.0) * len(cases) + 30.0
@@ -54,10 +54,10 @@ def test_clocks(figures: Figures, seeds: range, tmp_path: Path) -> None:
             rig.fault(case.fault)
             rig.navigate(options=("--until", str(LOOK_S + SETTLES_S))).wait(60)
             printed = (tmp_path / f"navigation-{number}.txt").read_text().splitlines()
-            _judge(figures, case, printed, tmp_path / f"navigation-{number}")
+            _judge(targets, case, printed, tmp_path / f"navigation-{number}")
 
 
-def _judge(figures: Figures, case: Case, printed: Sequence[str], run: Path) -> None:
+def _judge(targets: Targets, case: Case, printed: Sequence[str], run: Path) -> None:
     """Print what a run said of a fault; check whether that was it."""
     with Recording(run / LOG) as log:
         states = [(utime, one) for utime, _, one in log.messages("guard.state") if isinstance(one, GuardState)]
@@ -67,9 +67,9 @@ def _judge(figures: Figures, case: Case, printed: Sequence[str], run: Path) -> N
     told = [line for line in printed if line.startswith("clock: ")]
     symptoms = [line for line in printed if line.startswith(SYMPTOMS)]
     is_told = any(case.said in line for line in told)
-    figures.check(
+    targets.check(
         f"{case.name}: {switches} switches in {LOOK_S:g} s, may move {sum(moves) / len(moves):.0%} of it",
         good=is_told and not symptoms and switches <= MAX_SWITCHES,
     )
     for line in (*told, *symptoms):
-        figures.say(f"  {line}")
+        targets.say(f"  {line}")

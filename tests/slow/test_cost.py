@@ -25,7 +25,7 @@ from scipy import stats
 from testbed.drives import GRAPHNAV
 from testbed.processes import await_listeners, group_port, group_url
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 GROUP = 96
 URL, PORT = group_url(GROUP), group_port(GROUP)
@@ -57,7 +57,7 @@ class _Measured:
     core_ratios: dict[str, float]
 
 
-def test_cost(figures: Figures) -> None:
+def test_cost(targets: Targets) -> None:
     """Each round's tick rates, then the mean cost and its upper bound (95 %, one-sided, Student's t)."""
     costs, bare_costs = [], []
     turns: list[tuple[str, _Listeners]] = [
@@ -72,13 +72,13 @@ def test_cost(figures: Figures) -> None:
         bare_costs.append(1 - bare.ticks_per_s / alone.ticks_per_s)
         took = ", ".join(f"{name} took {ratio:.1%} of a core" for name, ratio in watched.core_ratios.items())
         rates = f"{alone.ticks_per_s:.1f} ticks/s alone, {watched.ticks_per_s:.1f} watched"
-        figures.say(f"{rates}: costs {costs[-1]:+.1%}; {took}; two bare listeners cost {bare_costs[-1]:+.1%}")
+        targets.say(f"{rates}: costs {costs[-1]:+.1%}; {took}; two bare listeners cost {bare_costs[-1]:+.1%}")
     bare_mean, bare_upper = statistics.fmean(bare_costs), upper_bound(bare_costs)
-    figures.say(f"two bare python-lcm listeners cost {bare_mean:+.2%}, upper {CONFIDENCE:.0%} bound {bare_upper:+.2%}")
+    targets.say(f"two bare python-lcm listeners cost {bare_mean:+.2%}, upper {CONFIDENCE:.0%} bound {bare_upper:+.2%}")
     mean, upper = statistics.fmean(costs), upper_bound(costs)
     bound = f"upper {CONFIDENCE:.0%} bound (one-sided) {upper:+.2%}, to be below {MAX_COST_RATIO:.0%}"
     text = f"view and spy together cost {mean:+.2%} of the tick rate, {bound}; {PAIRS} pairs"
-    figures.check(text, good=upper < MAX_COST_RATIO)
+    targets.check(text, good=upper < MAX_COST_RATIO)
 
 
 def upper_bound(values: Sequence[float]) -> float:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .damage_trials import Damage, count_trials, try_commands
 from .small_logs import record_drive, record_tiny
@@ -25,43 +25,43 @@ _MAX_SHOWN = 5
 
 
 @pytest.mark.parametrize("name", ["lockstep", "live"])
-def test_damage_of_a_small_log(figures: Figures, jobs: int, tmp_path: Path, name: str) -> None:
+def test_damage_of_a_small_log(targets: Targets, jobs: int, tmp_path: Path, name: str) -> None:
     data = record_tiny(tmp_path / name, is_live=name == "live").read_bytes()
     assert len(data) <= _MAX_SMALL_BYTES
     what = f"a {name} log of {len(data)} bytes"
-    _try(figures, f"{what} cut at every byte offset", data, map(Damage, range(len(data))), jobs)
-    _try(figures, f"{what} with one bit flipped, {_N_RANDOM} times", data, _flips(random.Random(8), data), jobs)
+    _try(targets, f"{what} cut at every byte offset", data, map(Damage, range(len(data))), jobs)
+    _try(targets, f"{what} with one bit flipped, {_N_RANDOM} times", data, _flips(random.Random(8), data), jobs)
 
 
-def test_damage_of_a_drive(figures: Figures, jobs: int, tmp_path: Path) -> None:
+def test_damage_of_a_drive(targets: Targets, jobs: int, tmp_path: Path) -> None:
     data = record_drive(tmp_path / "drive", _DRIVE_S).read_bytes()
     drawn, what = random.Random(8), f"a log of {len(data) / 1e6:.1f} MB"
     cuts = [Damage(drawn.randrange(len(data))) for _ in range(_N_RANDOM)]
-    _try(figures, f"{what} cut at {_N_RANDOM} random offsets", data, cuts, jobs)
-    _try(figures, f"{what} with one bit flipped, {_N_RANDOM} times", data, _flips(drawn, data), jobs)
+    _try(targets, f"{what} cut at {_N_RANDOM} random offsets", data, cuts, jobs)
+    _try(targets, f"{what} with one bit flipped, {_N_RANDOM} times", data, _flips(drawn, data), jobs)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
-def test_damage_a_log_without_permission(figures: Figures, tmp_path: Path) -> None:
+def test_damage_a_log_without_permission(targets: Targets, tmp_path: Path) -> None:
     log = record_drive(tmp_path / "drive", _DRIVE_S)
     log.chmod(0)
     trials = list(try_commands(log, tmp_path, "udpm://239.255.92.251:9451?ttl=0"))
     refused = sum(trial.came_out == "refused" for trial in trials)
     text = f"a log without permission: {refused} of {len(trials)} commands refuse it"
-    figures.check(text, good=refused == len(trials))
+    targets.check(text, good=refused == len(trials))
 
 
 def _flips(drawn: random.Random, data: bytes) -> list[Damage]:
     return [Damage(len(data), drawn.randrange(8 * len(data))) for _ in range(_N_RANDOM)]
 
 
-def _try(figures: Figures, what: str, data: bytes, damages: Iterable[Damage], jobs: int) -> None:
+def _try(targets: Targets, what: str, data: bytes, damages: Iterable[Damage], jobs: int) -> None:
     counts, wrong = count_trials(data, damages, jobs)
-    figures.check(f"{what}: {_sum(counts.values())}", good=not wrong)
+    targets.check(f"{what}: {_sum(counts.values())}", good=not wrong)
     for command, came_out in counts.items():
-        figures.say(f"  {command:12} {_sum([came_out])}")
+        targets.say(f"  {command:12} {_sum([came_out])}")
     for one in wrong[:_MAX_SHOWN]:
-        figures.say(f"  {one}")
+        targets.say(f"  {one}")
 
 
 def _sum(counts: Iterable[Counter[str]]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from graphnav_score.plane import Plane
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .scored_drives import pooled, score_drives
 from .stages.small_obstacles import SHARES
@@ -46,7 +46,7 @@ EMPTY = [
 ]
 
 
-def test_sees(figures: Figures, seeds: range, jobs: int) -> None:
+def test_sees(targets: Targets, seeds: range, jobs: int) -> None:
     """Every detector's metrics over both corridors, all frames pooled, beside those of its twin.
 
     The 95 % intervals are bootstrapped over drives, because frames of one drive are not independent.
@@ -57,19 +57,19 @@ def test_sees(figures: Figures, seeds: range, jobs: int) -> None:
         own = [scores[f"{detector}_score"] for scores in drives]
         twin = pooled([scores[f"{detector}_twin_score"] for scores in drives]).summary()
         metrics = pooled(own).summary()
-        figures.say(f"{detector}: {metrics['frames']:.0f} frames of {len(drives)} drives")
+        targets.say(f"{detector}: {metrics['frames']:.0f} frames of {len(drives)} drives")
         for metric in METRICS:
             low, high = bootstrap(own, metric)
             text = f"  {metric:31} {metrics[metric]:.3f} [{low:.3f}, {high:.3f}]"
             target = TARGETS.get((detector, metric))
             if target is None:
-                figures.say(f"{text}; twin {twin[metric]:.3f}")
+                targets.say(f"{text}; twin {twin[metric]:.3f}")
             else:
                 text = f"{text}, at least {target:g}; twin {twin[metric]:.3f}"
-                figures.check(text, good=metrics[metric] >= target)
+                targets.check(text, good=metrics[metric] >= target)
 
 
-def test_floor(figures: Figures, seeds: range, jobs: int) -> None:
+def test_floor(targets: Targets, seeds: range, jobs: int) -> None:
     """The share of an empty floor that each detector calls obstacle, and that each twin does.
 
     The robot wanders at random there, turns included.
@@ -83,9 +83,9 @@ def test_floor(figures: Figures, seeds: range, jobs: int) -> None:
             low, high = bootstrap(own, "false_obstacle_ratio")
             text = f"{name:20} false obstacle {value:.4f} [{low:.4f}, {high:.4f}]"
             if "twin" in name:
-                figures.say(text)
+                targets.say(text)
             else:
-                figures.check(f"{text}, at most {MAX_FALSE}", good=value <= MAX_FALSE)
+                targets.check(f"{text}, at most {MAX_FALSE}", good=value <= MAX_FALSE)
 
 
 def bootstrap(scores: Sequence[Plane], metric: str) -> tuple[float, float]:
@@ -100,7 +100,7 @@ def bootstrap(scores: Sequence[Plane], metric: str) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("camera", CAMERAS)
-def test_empty_floor(figures: Figures, seeds: range, jobs: int, camera: str) -> None:
+def test_empty_floor(targets: Targets, seeds: range, jobs: int, camera: str) -> None:
     """False obstacle on an empty floor and recall among pillars; what was not judged counts as missed.
 
     The true map drives among pillars; on the empty floor the robot wanders as fast as the shipped graphs drive. The
@@ -118,9 +118,9 @@ def test_empty_floor(figures: Figures, seeds: range, jobs: int, camera: str) -> 
         text = f"{title:40} false obstacle {100 * false:.3f} %, {found}"
         if name == RECOMMENDED:
             is_found = all(a >= b for a, b in zip(recalls, ratios["reference"][1:], strict=True))
-            figures.check(text, good=bool(false <= MAX_FALSE_RATIO and is_found))
+            targets.check(text, good=bool(false <= MAX_FALSE_RATIO and is_found))
         else:
-            figures.say(text)
+            targets.say(text)
 
 
 def _ratios(scores: Sequence[dict[str, Any]]) -> list[float]:

@@ -9,7 +9,7 @@ import pytest
 from testbed.drives import Drives
 
 from graphnav.studies.ablation.results import wilson
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .conftest import DriveAll
 
@@ -45,14 +45,14 @@ PUBLISHED = {
 }
 
 MODELS = {"with odometry": "models/shake_160x120.lcmlog", "without": "models/components_160x120.lcmlog"}
-"""What planar.subspace was taught, with odometry and from the flow alone."""
+"""Models taught to planar.subspace, with odometry and from the flow alone."""
 MIN_TAUGHT_SHARE = 0.9
 """Of the drives that succeed after teaching with odometry, those that must succeed without."""
 
 
 @pytest.mark.parametrize(("graph", "sets", "wanted", "min_share"), ROWS)
 def test_drives(
-    figures: Figures,
+    targets: Targets,
     drive_all: DriveAll,
     seeds: range,
     graph: str,
@@ -65,7 +65,7 @@ def test_drives(
     count = succeeded(drives, wanted)
     low, high = wilson(count, len(seeds))
     text = f"{graph:13} {' '.join(sets) or 'as it ships':20} {wanted}: {count} of {len(seeds)} [{low:.2f}, {high:.2f}]"
-    figures.check(f"{text}, at least {min_share:g}; {drives.outcomes()}", good=count >= round(min_share * len(seeds)))
+    targets.check(f"{text}, at least {min_share:g}; {drives.outcomes()}", good=count >= round(min_share * len(seeds)))
 
 
 def succeeded(drives: Drives, wanted: str) -> int:
@@ -77,7 +77,7 @@ def succeeded(drives: Drives, wanted: str) -> int:
     return drives.ended("contact") + drives.ended("timeout")
 
 
-def test_sign(figures: Figures, drive_all: DriveAll, seeds: range) -> None:
+def test_sign(targets: Targets, drive_all: DriveAll, seeds: range) -> None:
     """The share of right signs of the frames of the corridors whose obstacle is plainly on one side, pooled.
 
     The 95 % interval is bootstrapped over drives, because frames of one drive are not independent.
@@ -94,13 +94,13 @@ def test_sign(figures: Figures, drive_all: DriveAll, seeds: range) -> None:
     low, high = np.quantile(shares, [0.025, 0.975])
     text = f"right sign in {share:.3f} [{low:.3f}, {high:.3f}] of {frames.sum():.0f} frames of {len(counts)} drives"
     n_with = np.count_nonzero(frames)
-    figures.check(
+    targets.check(
         f"{text}, {n_with} of which have such frames; at least {MIN_SIGN_SHARE}", good=share >= MIN_SIGN_SHARE
     )
 
 
 @pytest.mark.parametrize("graph", PUBLISHED)
-def test_results(figures: Figures, drive_all: DriveAll, seeds: range, graph: str) -> None:
+def test_results(targets: Targets, drive_all: DriveAll, seeds: range, graph: str) -> None:
     """The shipped graphs drive and see as in the published study."""
     published = PUBLISHED[graph]
     drives = drive_all(graph, seeds, AS_PUBLISHED)
@@ -111,12 +111,12 @@ def test_results(figures: Figures, drive_all: DriveAll, seeds: range, graph: str
         good &= low <= value <= high
     text = f"{graph:13} goal {drives.ended('goal')} of {len(seeds)}, all expected; AUROC {auroc:.4f} in "
     text += f"{list(published.auroc)}, IoU {iou:.4f} in {list(published.iou_ratio)}; {drives.outcomes()}"
-    figures.check(text, good=good)
+    targets.check(text, good=good)
 
 
 @pytest.mark.parametrize("plane", ["residual", "ica"])
 @pytest.mark.parametrize("graph", ["suite/shake", "suite/odometry", "suite/light", "pillars", "corridor_ccw"])
-def test_no_odometry(figures: Figures, drive_all: DriveAll, seeds: range, graph: str, plane: str) -> None:
+def test_no_odometry(targets: Targets, drive_all: DriveAll, seeds: range, graph: str, plane: str) -> None:
     """Taught from the flow alone planar.subspace drives nearly as well as taught with odometry."""
     counts = []
     for name, model in MODELS.items():
@@ -125,9 +125,9 @@ def test_no_odometry(figures: Figures, drive_all: DriveAll, seeds: range, graph:
         counts.append(drives.ended("goal"))
         low, high = wilson(counts[-1], len(seeds))
         share = f"{counts[-1]} of {len(seeds)} [{low:.2f}, {high:.2f}]"
-        figures.say(f"{graph:14} {plane:8} taught {name:13} {share}, AUROC {mean_auroc(drives):.4f}")
+        targets.say(f"{graph:14} {plane:8} taught {name:13} {share}, AUROC {mean_auroc(drives):.4f}")
     good = counts[1] >= MIN_TAUGHT_SHARE * counts[0]
-    figures.check(f"{graph:14} {plane:8} {counts[1]} against {counts[0]}", good=good)
+    targets.check(f"{graph:14} {plane:8} {counts[1]} against {counts[0]}", good=good)
 
 
 def mean_auroc(drives: Drives) -> float:

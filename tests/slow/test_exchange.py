@@ -18,7 +18,7 @@ from testbed.processes import await_file, end, group_url
 
 from graphnav import Recording
 from graphnav.core.record import ABOUT, LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .foreign_listeners import Sums, c_listener, java_listener, played
 
@@ -33,8 +33,8 @@ URL = group_url(231)
 Recorded = tuple[Path, dict[str, int]]
 
 
-def test_exchange_the_tap_by_lcm_logger(figures: Figures, seeds: range, tmp_path: Path) -> None:
-    """What lcm-logger records of a run is counted by ``graphnav info``, and every stage steps again."""
+def test_exchange_the_tap_by_lcm_logger(targets: Targets, seeds: range, tmp_path: Path) -> None:
+    """The record of a run by lcm-logger is counted by ``graphnav info``, and every stage steps again."""
     theirs = tmp_path / "theirs.lcmlog"
     command = [str(Path(lcm.LCM_BIN_DIR) / "lcm-logger"), "--quiet", "--lcm-url", URL + _BUFFER, str(theirs)]
     written = _tapped(tmp_path / "full", "full", seeds[0], command, theirs)
@@ -44,7 +44,7 @@ def test_exchange_the_tap_by_lcm_logger(figures: Figures, seeds: range, tmp_path
     carried = _carried(written, found)
     text = f"'graphnav info' counts {carried} of {sum(written.values())} messages of the run; 'graphnav replay': "
     text += (replay.stdout or replay.stderr).strip().splitlines()[-1]
-    figures.check(text, good=carried == sum(written.values()) and not replay.returncode)
+    targets.check(text, good=carried == sum(written.values()) and not replay.returncode)
 
 
 @pytest.fixture(scope="module")
@@ -55,12 +55,12 @@ def recorded(seeds: range, tmp_path_factory: pytest.TempPathFactory) -> Recorded
     return ours, _tapped(folder / "thin", "thin", seeds[0], [str(GRAPHNAV), "record", URL, "-o", str(ours)], ours)
 
 
-def test_exchange_the_tap_by_record(figures: Figures, recorded: Recorded) -> None:
+def test_exchange_the_tap_by_record(targets: Targets, recorded: Recorded) -> None:
     log, written = recorded
     with Recording(log) as recording:
         carried = _carried(written, {name: recording.count(name) for name in recording.channels})
     n_written = sum(written.values())
-    figures.check(f"'graphnav record': {carried} of {n_written} messages of the run", good=carried == n_written)
+    targets.check(f"'graphnav record': {carried} of {n_written} messages of the run", good=carried == n_written)
 
 
 def _carried(written: Mapping[str, int], found: Mapping[str, int]) -> int:
@@ -84,23 +84,23 @@ def _tapped(folder: Path, tap: str, seed: int, recorder: Sequence[str], log: Pat
         return {channel: run.count(channel) for channel in run.channels if channel != ABOUT}
 
 
-def test_exchange_our_log_in_c(figures: Figures, recorded: Recorded, tmp_path: Path) -> None:
+def test_exchange_our_log_in_c(targets: Targets, recorded: Recorded, tmp_path: Path) -> None:
     """By lcm-logplayer to a program of lcm-gen -c and the liblcm of the wheel."""
     sums = Sums.of_log(recorded[0])
     heard = played(c_listener(tmp_path / "c", sums.types, URL + _BUFFER), recorded[0], URL)
-    _compare(figures, sums, heard, 1.0)
+    _compare(targets, sums, heard, 1.0)
 
 
-def test_exchange_our_log_in_java(figures: Figures, recorded: Recorded, tmp_path: Path) -> None:
+def test_exchange_our_log_in_java(targets: Targets, recorded: Recorded, tmp_path: Path) -> None:
     """By lcm-logplayer to a program with the jar of ``graphnav types --java``."""
     sums = Sums.of_log(recorded[0])
     command = java_listener(tmp_path / "java", sums.types, URL)
     if command is None:
         pytest.skip("there is no JDK")
-    _compare(figures, sums, played(command, recorded[0], URL), _MIN_JAVA_SHARE)
+    _compare(targets, sums, played(command, recorded[0], URL), _MIN_JAVA_SHARE)
 
 
-def _compare(figures: Figures, written: Sums, heard: dict[str, tuple[int, int, int]], min_share: float) -> None:
+def _compare(targets: Targets, written: Sums, heard: dict[str, tuple[int, int, int]], min_share: float) -> None:
     """Compare what a listener decoded of our log, which lcm-logplayer played, with what the log holds."""
     n_written = sum(count for count, _, _ in written.sums.values())
     n_heard = sum(count for count, _, _ in heard.values())
@@ -111,7 +111,7 @@ def _compare(figures: Figures, written: Sums, heard: dict[str, tuple[int, int, i
         if heard.get(channel, (0, 0, 0))[0] >= written.sums[channel][0]
     }
     good = not wrong and n_heard >= min_share * n_written
-    figures.check(
+    targets.check(
         f"{n_heard} of {n_written} messages decoded on {len(heard)} channels; sums of utime and seq equal on the "
         f"{len(complete)} channels that came complete, different on {len(wrong)}",
         good=good,
@@ -119,7 +119,7 @@ def _compare(figures: Figures, written: Sums, heard: dict[str, tuple[int, int, i
 
 
 @pytest.mark.skipif(not LCM_CLI.exists(), reason="lcm-cli is not installed")
-def test_exchange_with_lcm_cli(figures: Figures, recorded: Recorded) -> None:
+def test_exchange_with_lcm_cli(targets: Targets, recorded: Recorded) -> None:
     """It lists what we play, and decodes five commands by our definitions."""
     log, _ = recorded
     where = re.fullmatch(r"udpm://([\d.]+):(\d+).*", URL)
@@ -136,7 +136,7 @@ def test_exchange_with_lcm_cli(figures: Figures, recorded: Recorded) -> None:
     with Recording(log) as recording:
         channels = set(recording.channels)
     text = f"lcm-cli lists {len(channels & listed)} of {len(channels)} channels, and decodes {echoed} of 5 twists"
-    figures.check(text, good=channels <= listed and echoed == 5)
+    targets.check(text, good=channels <= listed and echoed == 5)
 
 
 def _said(command: Sequence[str]) -> str:

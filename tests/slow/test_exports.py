@@ -27,7 +27,7 @@ from graphnav.core.record import ABOUT, LOG
 from graphnav.watch.export.entries.topics import Topics
 from graphnav.watch.export.foxglove.foxglove_channels import TOPICS
 from graphnav.watch.export.tables.scalar_fields import Scalar, leaves_of
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .display import display
 
@@ -47,7 +47,7 @@ def run(seeds: range, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("kind", ["mcap", "rrd", "mp4", "csv", "parquet"])
-def test_exports(figures: Figures, run: Path, kind: str) -> None:
+def test_exports(targets: Targets, run: Path, kind: str) -> None:
     """Export the drive, read that back, print how much of the recording it contains."""
     target = run.parent / f"run.{kind}"
     command = [str(GRAPHNAV), "export", str(run), "--to", kind, "-o", str(target)]
@@ -55,11 +55,11 @@ def test_exports(figures: Figures, run: Path, kind: str) -> None:
     with Recording(run / LOG) as recording:
         n_messages = sum(map(recording.count, recording.channels))
         lasted_s = recording.timeline.duration_us * 1e-6
-        figures.say(f"a drive of {lasted_s:.1f} s, {n_messages} messages on {len(recording.channels)} channels")
+        targets.say(f"a drive of {lasted_s:.1f} s, {n_messages} messages on {len(recording.channels)} channels")
         good, numbers = _CHECKS[kind](recording, target)
-    figures.check(f"{done.stdout.strip().removeprefix(f'{run.parent}/')}: {numbers}", good=good)
+    targets.check(f"{done.stdout.strip().removeprefix(f'{run.parent}/')}: {numbers}", good=good)
     if kind == "rrd" and _opened_by_rerun(target, shown := run.parent / "rerun.png"):
-        figures.say(f"Rerun's viewer opens it: look at {shown}")
+        targets.say(f"Rerun's viewer opens it: look at {shown}")
 
 
 def _mcap(recording: Recording, target: Path) -> tuple[bool, str]:

@@ -14,7 +14,7 @@ import lcm
 from testbed.drives import GRAPHNAV
 from testbed.processes import group_url
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 _DEFINITIONS = {
     "joint_t": "package arm;\n\nstruct joint_t\n{\n    string name;\n    double angle_rad;\n}\n",
@@ -27,22 +27,22 @@ _CHANNELS = ("ARM", "FORCE")
 _N_ALL = _N * len(_CHANNELS)
 
 
-def test_exchange_a_log_of_unknown_types(figures: Figures, tmp_path: Path) -> None:
-    """What each command makes of a log that LCM's own Python wrote."""
+def test_exchange_a_log_of_unknown_types(targets: Targets, tmp_path: Path) -> None:
+    """Each command reads a log that LCM's own Python wrote."""
     log, types = _write(tmp_path)
     shown = json.loads(_said("spy", "--json", log))["channels"]
     spied = sum(shown[channel]["messages"] for channel in _CHANNELS)
     unknown = sum("unknown" in line for line in _said("spy", "--once", log).splitlines())
     counted = _counted(json.loads(_said("info", log, "--json")))
     heard = _played(log, group_url(233))
-    figures.check(
+    targets.check(
         f"a log of types that graphnav does not know, {_N_ALL} messages: 'spy' shows {spied} on {len(shown)} channels, "
         f"{unknown} of unknown type; 'info' counts {counted}; 'play' sends {heard}",
         good=spied == counted == heard == _N_ALL and unknown == len(_CHANNELS),
     )
     decoded = sum(_n_decoded(channel, log, types) for channel in _CHANNELS)
     named = sum(f"arm.{name}" in _said("info", log, "--types", types) for name in ("arm_t", "force_t"))
-    figures.check(
+    targets.check(
         f"with --types: {decoded} of {_N_ALL} decoded, 'info' names {named} of {len(_CHANNELS)} types",
         good=decoded == _N_ALL and named == len(_CHANNELS),
     )

@@ -19,7 +19,7 @@ from testbed.rig import Rig
 
 from graphnav import GuardState, Recording, State
 from graphnav.core.record import LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 FIRST_NUMBER = 171
 MAX_DRIVE_S = 90.0
@@ -118,7 +118,7 @@ def numbers(jobs: int) -> SimpleQueue[int]:
 
 @pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: f"{trial.graph}-{trial.name}")
 def test_frozen(
-    figures: Figures, seeds: range, jobs: int, tmp_path: Path, numbers: SimpleQueue[int], trial: Trial
+    targets: Targets, seeds: range, jobs: int, tmp_path: Path, numbers: SimpleQueue[int], trial: Trial
 ) -> None:
     """The picture freezes or is covered, the wheels spin, or odometry is wrong: the robot stops without a contact.
 
@@ -134,10 +134,10 @@ def test_frozen(
 
     with ThreadPoolExecutor(jobs) as pool:
         results = list(pool.map(meet, seeds[:1] if trial.options else seeds[: max(len(seeds) // 2, 1)]))
-    _judge(figures, trial, results)
+    _judge(targets, trial, results)
 
 
-def _judge(figures: Figures, trial: Trial, results: Sequence[Result]) -> None:
+def _judge(targets: Targets, trial: Trial, results: Sequence[Result]) -> None:
     contacts = sum(one.contact for one in results)
     is_seeing = trial.causes == SEEING_CAUSES
     max_seen_s = HANGING_STOP_S if trial.faults is HANGING else STOP_S
@@ -159,7 +159,7 @@ def _judge(figures: Figures, trial: Trial, results: Sequence[Result]) -> None:
                 f"{len(some)}{what}: after {times[len(times) // 2]:.2f} s, worst {times[-1]:.2f}; way after the fault "
                 f"{max(ways):.2f} m at most"
             )
-    figures.check(f"{trial.graph}, {trial.name}: {'; '.join(words)}; contacts {contacts}", good=passed)
+    targets.check(f"{trial.graph}, {trial.name}: {'; '.join(words)}; contacts {contacts}", good=passed)
 
 
 def _met(trial: Trial, seed: int, number: int, folder: Path) -> Result:
@@ -205,7 +205,7 @@ def _measured(folder: Path, trial: Trial, begin_s: float) -> Result:
 
 @pytest.mark.parametrize(("graph", "sets"), CONDITIONS)
 def test_frozen_false(
-    figures: Figures, seeds: range, jobs: int, tmp_path: Path, graph: str, sets: tuple[str, ...]
+    targets: Targets, seeds: range, jobs: int, tmp_path: Path, graph: str, sets: tuple[str, ...]
 ) -> None:
     """In lockstep under other conditions the guard names no input that contradicts the motion."""
 
@@ -213,12 +213,12 @@ def test_frozen_false(
         drive(graph, seed, ("run.record=small", *sets), tmp_path / f"{seed}")
         return _false(tmp_path / f"{seed}")
 
-    _count(figures, f"{graph} {' '.join(sets)}", seeds, jobs, false_in)
+    _count(targets, f"{graph} {' '.join(sets)}", seeds, jobs, false_in)
 
 
 @pytest.mark.parametrize(("place", "graph"), [(0, "navigate_live"), (1, "navigate_robot")])
 def test_frozen_false_live(
-    figures: Figures, seeds: range, jobs: int, tmp_path: Path, numbers: SimpleQueue[int], place: int, graph: str
+    targets: Targets, seeds: range, jobs: int, tmp_path: Path, numbers: SimpleQueue[int], place: int, graph: str
 ) -> None:
     """Nor does it live; where a drive arrives before its time, it goes on as the next corridor."""
 
@@ -240,17 +240,17 @@ def test_frozen_false_live(
             numbers.put(number)
 
     half = seeds[place::2]
-    _count(figures, f"{graph} live, {FALSE_LIVE_S * len(half) / 60:.1f} min", half, jobs, false_live)
+    _count(targets, f"{graph} live, {FALSE_LIVE_S * len(half) / 60:.1f} min", half, jobs, false_live)
 
 
 def _count(
-    figures: Figures, name: str, seeds: Sequence[int], jobs: int, false_in: Callable[[int], tuple[int, int]]
+    targets: Targets, name: str, seeds: Sequence[int], jobs: int, false_in: Callable[[int], tuple[int, int]]
 ) -> None:
     with ThreadPoolExecutor(jobs) as pool:
         counts = list(pool.map(false_in, seeds))
     false, firings = sum(one for one, _ in counts), sum(one for _, one in counts)
     text = f"{name}: {false} false of {firings} firings in {len(counts)} drives"
-    figures.check(text, good=not false and firings > 0)
+    targets.check(text, good=not false and firings > 0)
 
 
 def _false(run: Path) -> tuple[int, int]:

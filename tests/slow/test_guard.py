@@ -11,14 +11,14 @@ from testbed.drives import drive
 from graphnav import Recording, Twist
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import load_graph, shipped_graphs
-from tests.figures import Figures
+from tests.targets import Targets
 
 RESTRICTED = {"white_wall"}
 """Graphs in which the guard has to restrict commands."""
 
 
 @pytest.mark.parametrize("name", sorted(set(shipped_graphs()) - RESTRICTED))
-def test_guard(figures: Figures, seeds: range, jobs: int, tmp_path: Path, name: str) -> None:
+def test_guard(targets: Targets, seeds: range, jobs: int, tmp_path: Path, name: str) -> None:
     """Of every lockstep graph with a guard: how many commands it changed of how many."""
     graph = load_graph(name, Catalog())
     if graph.is_live or not any(node.stage_class.is_guard for node in graph.nodes):
@@ -27,7 +27,7 @@ def test_guard(figures: Figures, seeds: range, jobs: int, tmp_path: Path, name: 
         drives = list(pool.map(lambda seed: _compared(name, seed, tmp_path / f"{seed}"), seeds))
     changed, commands = (sum(drive[k] for drive in drives) for k in (0, 1))
     text = f"{name}: {changed} of {commands} commands changed in {len(seeds)} drives"
-    figures.check(text, good=changed == 0 and commands > 0)
+    targets.check(text, good=changed == 0 and commands > 0)
 
 
 def _compared(graph: str, seed: int, folder: Path) -> tuple[int, int]:

@@ -19,7 +19,7 @@ import pytest
 from testbed.processes import group_port, group_url
 from testbed.terminal import HAS_TMUX
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .hostile_watchers import Counted, Watchers
 from .sane_sender import CHANNEL, RATE_HZ, SaneSender
@@ -34,8 +34,8 @@ _LOOK_S = 1.0
 
 
 @pytest.mark.skipif(not HAS_TMUX, reason="the spy has no terminal: tmux is not installed")
-def test_hostile(figures: Figures) -> None:
-    """What each program counted of what was sent, its memory before, in the middle and at the end."""
+def test_hostile(targets: Targets) -> None:
+    """Counts of each program of what was sent, its memory before, in the middle and at the end."""
     with Watchers(URL, PORT) as watchers, SaneSender(URL) as sane:
         n_garbage, memory_mb = _flood(COUNT, watchers.pids)
         dead = watchers.dead()
@@ -47,20 +47,20 @@ def test_hostile(figures: Figures) -> None:
         counted = watchers.counted()
     sent = COUNT + n_garbage + sane.sent
     for_s = len(memory_mb["spy"])
-    figures.say(
+    targets.say(
         f"sent {COUNT:,} mutated messages, {COUNT:,} packets of garbage, {n_garbage:,} of which are messages, and"
     )
-    figures.say(f"{sane.sent:,} messages on {CHANNEL}: {sent:,} messages; the hostile ones in {for_s} s")
+    targets.say(f"{sane.sent:,} messages on {CHANNEL}: {sent:,} messages; the hostile ones in {for_s} s")
     for name, one in counted.items():
-        _check_count(figures, name, one, sent)
+        _check_count(targets, name, one, sent)
     for name, rate_hz in rates.items():
-        _check_rate(figures, name, rate_hz)
+        _check_rate(targets, name, rate_hz)
     for name, sizes_mb in memory_mb.items():
-        _check_memory(figures, name, sizes_mb)
-    figures.check(f"ended before the end: {', '.join(dead) or 'none'}", good=not dead)
-    figures.say("the spy's screen at the end of the flood:")
+        _check_memory(targets, name, sizes_mb)
+    targets.check(f"ended before the end: {', '.join(dead) or 'none'}", good=not dead)
+    targets.say("the spy's screen at the end of the flood:")
     for line in shown:
-        figures.say(f"| {line}")
+        targets.say(f"| {line}")
 
 
 def _flood(count: int, pids: Mapping[str, int]) -> tuple[int, dict[str, list[float]]]:
@@ -86,26 +86,26 @@ def _rss_mb(pid: int) -> float:
         return 0.0
 
 
-def _check_count(figures: Figures, name: str, counted: Counted, sent: int) -> None:
+def _check_count(targets: Targets, name: str, counted: Counted, sent: int) -> None:
     """Say what a program counted: no more than was sent, and what is missing at most what it says that was dropped."""
     missing = sent - counted.messages
     judged = "" if counted.undecodable is None else f", {counted.undecodable:,} of them undecodable"
     dropped = f"tells {counted.dropped_packets:,} packets dropped by the kernel"
     text = f"{name}: {counted.messages:,} messages{judged}; {missing:,} missing, {dropped}"
-    figures.check(text, good=0 <= missing <= counted.dropped_packets)
+    targets.check(text, good=0 <= missing <= counted.dropped_packets)
 
 
-def _check_rate(figures: Figures, name: str, rate_hz: float | None) -> None:
+def _check_rate(targets: Targets, name: str, rate_hz: float | None) -> None:
     good = rate_hz is not None and abs(rate_hz / RATE_HZ - 1) <= RATE_RATIO
     text = "no rate" if rate_hz is None else f"{rate_hz:.2f} Hz"
-    figures.check(f"{name} tells {text} of {CHANNEL}, sent at {RATE_HZ:g} Hz", good=good)
+    targets.check(f"{name} tells {text} of {CHANNEL}, sent at {RATE_HZ:g} Hz", good=good)
 
 
-def _check_memory(figures: Figures, name: str, memory_mb: Sequence[float]) -> None:
+def _check_memory(targets: Targets, name: str, memory_mb: Sequence[float]) -> None:
     """Say how a program's memory went; what it grows by after the first tenth of the flood is judged."""
     warm = memory_mb[len(memory_mb) // 10]
     growth_mb = max(memory_mb[len(memory_mb) // 10 :]) - warm
     middle, last = memory_mb[len(memory_mb) // 2], memory_mb[-1]
     text = f"{memory_mb[0]:.0f} MB before, {warm:.0f} after a tenth, {middle:.0f} in the middle, {last:.0f} at the end"
     growth = f"at most {growth_mb:+.0f} MB after the first tenth (limit {MAX_GROWTH_MB:+.0f})"
-    figures.check(f"{name}: memory {text}; {growth}", good=growth_mb <= MAX_GROWTH_MB)
+    targets.check(f"{name}: memory {text}; {growth}", good=growth_mb <= MAX_GROWTH_MB)

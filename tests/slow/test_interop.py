@@ -21,7 +21,7 @@ from testbed.rig import Rig
 
 from graphnav import Recording, State
 from graphnav.core.record import LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -36,7 +36,7 @@ def seed(seeds: range) -> int:
     return seeds[1 % len(seeds)]
 
 
-def test_interop_pub_drives_the_robot(figures: Figures, tmp_path: Path, seed: int) -> None:
+def test_interop_pub_drives_the_robot(targets: Targets, tmp_path: Path, seed: int) -> None:
     """By ``graphnav pub`` for 3 s: how far it comes and how soon it stands."""
     url, folder = group_url(201), tmp_path
     robot = graphnav_run("robot_live", url, folder / "robot", "--seed", str(seed), "--set", "robot.state_hz=100")
@@ -54,7 +54,7 @@ def test_interop_pub_drives_the_robot(figures: Figures, tmp_path: Path, seed: in
     stood_s = max(at_s for at_s, m in states if m.v_mps > 0) - heard_s[-1]
     limit_s = TIMEOUT_S + V_MPS / BRAKES_MPS2 + STEP_S
     good = abs(driven_m - expected_m) <= 0.03 * expected_m and stood_s <= limit_s and last.v_mps == 0
-    figures.check(
+    targets.check(
         f"{len(heard_s)} commands; the robot drove {driven_m:.3f} m of {expected_m:.3f} m (v times the time from the "
         f"first command to {TIMEOUT_S:g} s after the last), and stood {stood_s:.3f} s after the last "
         f"(allowed {limit_s:.2f} s)",
@@ -62,7 +62,7 @@ def test_interop_pub_drives_the_robot(figures: Figures, tmp_path: Path, seed: in
     )
 
 
-def test_interop_a_bare_controller_drives_the_robot(figures: Figures, tmp_path: Path, seed: int) -> None:
+def test_interop_a_bare_controller_drives_the_robot(targets: Targets, tmp_path: Path, seed: int) -> None:
     """A python-lcm program without graphnav's runner drives it to its goal."""
     url, folder = group_url(203), tmp_path
     robot = graphnav_run("robot_live", url, folder / "robot", "--seed", str(seed), "--until", "150")
@@ -73,10 +73,10 @@ def test_interop_a_bare_controller_drives_the_robot(figures: Figures, tmp_path: 
         process.wait(200)
     summary = json.loads((folder / "robot" / "summary.json").read_text())
     text = f"seed {seed} ended with {summary['outcome']} after {summary['sim_s']:.1f} s"
-    figures.check(text, good=summary["outcome"] == "goal")
+    targets.check(text, good=summary["outcome"] == "goal")
 
 
-def test_interop_stamps_of_a_camera_that_jitters(figures: Figures, tmp_path: Path) -> None:
+def test_interop_stamps_of_a_camera_that_jitters(targets: Targets, tmp_path: Path) -> None:
     """The jittered stamps of a camera are those in the log of the graph that saw it."""
     url, folder = group_url(204), tmp_path
     graph = graphnav_run(HERE / "flow_live.yaml", url, folder / "run")
@@ -100,7 +100,7 @@ def test_interop_stamps_of_a_camera_that_jitters(figures: Figures, tmp_path: Pat
         and flows == [utime for utime in sent if utime in flowed]
         and len(flows) == accepted - 1 - overtaken
     )
-    figures.check(
+    targets.check(
         f"{accepted} of {FRAMES} frames came, {min(intervals_ms):.1f} to {max(intervals_ms):.1f} ms apart, {overtaken} "
         f"were overtaken; {len(kept & set(sent))} of {len(seen)} frames in the log have the camera's stamps, and "
         f"{len(flowed & set(sent))} of {len(flows)} flows",
@@ -108,7 +108,7 @@ def test_interop_stamps_of_a_camera_that_jitters(figures: Figures, tmp_path: Pat
     )
 
 
-def test_interop_a_camera_in_c_with_a_zeroed_struct(figures: Figures, tmp_path: Path, seed: int) -> None:
+def test_interop_a_camera_in_c_with_a_zeroed_struct(targets: Targets, tmp_path: Path, seed: int) -> None:
     """A camera in C, which leaves step_px and seq of a zeroed struct at 0, shows what the robot sees."""
     folder = tmp_path
     example = Path(shutil.copytree(ROOT / "docs" / "examples" / "camera_driver", folder / "example"))
@@ -135,7 +135,7 @@ def test_interop_a_camera_in_c_with_a_zeroed_struct(figures: Figures, tmp_path: 
         robot, navigation = rig.finish()
     (heard,) = (one for one in navigation["live"]["inputs"] if one["channel"] == "CAMERA")
     good = robot["outcome"] == "goal" and not heard["rejected"]
-    figures.check(
+    targets.check(
         f"seed {seed} ended with {robot['outcome']} after {robot['sim_s']:.1f} s; {heard['accepted']} pictures were "
         f"used, rejected {dict(zip(heard['reasons'], heard['rejected'], strict=True))}",
         good=good,

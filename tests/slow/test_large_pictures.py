@@ -21,7 +21,7 @@ from graphnav import Image, Recording
 from graphnav.core.bus import MAKE_ROUTE, Bus
 from graphnav.core.codec import encode
 from graphnav.core.machine.receive_buffer import try_receive_buffer
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .foreign_listeners import c_listener, java_listener
 
@@ -59,7 +59,7 @@ class Cost(NamedTuple):
     """Messages that were not sent because a newer one was pending."""
 
 
-def test_large(figures: Figures, tmp_path: Path, pytestconfig: pytest.Config) -> None:
+def test_large(targets: Targets, tmp_path: Path, pytestconfig: pytest.Config) -> None:
     """Measure in a network namespace of its own, where no other traffic is; print what arrived and what it took."""
     inside = [sys.executable, "-m", "tests.slow.test_large_pictures", str(tmp_path)]
     command = ["unshare", "-rn", "sh", "-c", f'{MAKE_ROUTE} && exec "$@"', "sh", *inside]
@@ -68,9 +68,9 @@ def test_large(figures: Figures, tmp_path: Path, pytestconfig: pytest.Config) ->
         for line in process.stdout:
             is_judged, good, text = json.loads(line)
             if is_judged:
-                figures.check(text, good=good)
+                targets.check(text, good=good)
             else:
-                figures.say(text)
+                targets.say(text)
     assert not process.returncode
 
 

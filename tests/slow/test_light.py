@@ -12,7 +12,7 @@ import pytest
 from graphnav_flow.lucas_kanade import LucasKanade
 
 from graphnav import Stage
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .scored_drives import Scores, pooled, score_drives
 
@@ -27,24 +27,24 @@ MIN_AUROC, MAX_EPE_RATIO, MAX_TIME_RATIO = 0.985, 1.05, 1.2
 TIMINGS = 7
 
 
-def test_light(figures: Figures, jobs: int) -> None:
+def test_light(targets: Targets, jobs: int) -> None:
     """AUROC in light that swings by 30 %, and error in steady light, with and without normalization."""
     swing, steady = _drives(SWING_RATIO, jobs), _drives(0.0, jobs)
     for name in DETECTORS:
         on, off = _auroc(swing, f"normalized_{name}"), _auroc(swing, f"plain_{name}")
         text = f"AUROC of plane.{name}, light swings by 30 %: {on:.4f} normalized, at least {MIN_AUROC}; {off:.4f} not"
-        figures.check(text, good=on >= MIN_AUROC)
+        targets.check(text, good=on >= MIN_AUROC)
         on, off = _auroc(steady, f"normalized_{name}"), _auroc(steady, f"plain_{name}")
-        figures.say(f"in steady light: {on:.4f} normalized; {off:.4f} not")
+        targets.say(f"in steady light: {on:.4f} normalized; {off:.4f} not")
     on, off = _epe_px(steady, "normalized_flow"), _epe_px(steady, "plain_flow")
     text = f"endpoint error in steady light: {on:.4f} px normalized, {off:.4f} px not"
-    figures.check(f"{text}: ratio {on / off:.3f}, at most {MAX_EPE_RATIO}", good=on / off <= MAX_EPE_RATIO)
+    targets.check(f"{text}: ratio {on / off:.3f}, at most {MAX_EPE_RATIO}", good=on / off <= MAX_EPE_RATIO)
     on, off = _epe_px(swing, "normalized_flow"), _epe_px(swing, "plain_flow")
-    figures.say(f"light swings by 30 %: {on:.4f} px normalized, {off:.4f} px not")
+    targets.say(f"light swings by 30 %: {on:.4f} px normalized, {off:.4f} px not")
 
 
 @pytest.mark.parametrize("size", bench_flow.SIZES)
-def test_light_normalization_takes_little_time(figures: Figures, size: tuple[int, int]) -> None:
+def test_light_normalization_takes_little_time(targets: Targets, size: tuple[int, int]) -> None:
     """The ratio of the lowest medians of a step's processor time; both take turns on the same frames."""
     cv2.setNumThreads(1)
     stages: dict[str, Stage] = {"off": LucasKanade(), "on": LucasKanade(normalize_sigma_px=4.0)}
@@ -53,7 +53,7 @@ def test_light_normalization_takes_little_time(figures: Figures, size: tuple[int
     times = [bench_flow.step_ms(stages, steps, rounds) for _ in range(TIMINGS)]
     ratio = min(ms["on"] for ms in times) / min(ms["off"] for ms in times)
     text = f"time of a step at {size[0]}x{size[1]}, normalized over not: {ratio:.3f}, at most {MAX_TIME_RATIO}"
-    figures.check(text, good=ratio <= MAX_TIME_RATIO)
+    targets.check(text, good=ratio <= MAX_TIME_RATIO)
 
 
 def _drives(swing_ratio: float, jobs: int) -> list[Scores]:

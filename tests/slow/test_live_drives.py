@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from testbed.rig import Rig
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .conftest import DriveAll
 
@@ -32,16 +32,16 @@ CONDITIONS: dict[str, tuple[float, Sequence[str]]] = {
 
 
 @pytest.mark.parametrize("condition", CONDITIONS)
-def test_live(figures: Figures, drive_all: DriveAll, seeds: range, jobs: int, tmp_path: Path, condition: str) -> None:
-    """What arrives beside lockstep, what is overtaken, and the latency."""
-    figures.say(f"lockstep: {drive_all('corridor_ccw', seeds, ()).outcomes()}")
+def test_live(targets: Targets, drive_all: DriveAll, seeds: range, jobs: int, tmp_path: Path, condition: str) -> None:
+    """Arrivals beside lockstep, overtaken messages, and the latency."""
+    targets.say(f"lockstep: {drive_all('corridor_ccw', seeds, ()).outcomes()}")
     with ThreadPoolExecutor(jobs) as pool:
         drives = list(pool.map(lambda seed: _drive(condition, seed, tmp_path / f"{seed}"), seeds))
     goals = sum(outcome == "goal" for outcome, *_ in drives)
     failed = [f"{seed} {drive[0]}" for seed, drive in zip(seeds, drives, strict=True) if drive[0] != "goal"]
     latency = ", ".join(f"{what} {max(drive[1][what] for drive in drives):.1f}" for what in ("p50", "p99", "max"))
     overtaken = sum(drive[2] for drive in drives) / max(sum(drive[3] for drive in drives), 1)
-    figures.check(
+    targets.check(
         f"{condition}: {goals} of {len(seeds)} arrive{' (' + ', '.join(failed) + ')' if failed else ''}; "
         f"{overtaken:.2f} of the frames overtaken; image to command, ms, the worst drive's: {latency}",
         good=goals >= MIN_SHARE * len(seeds),

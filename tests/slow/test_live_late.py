@@ -15,7 +15,7 @@ from testbed.processes import hear
 from testbed.rig import Rig
 
 from graphnav import Recording, Status
-from tests.figures import Figures
+from tests.targets import Targets
 
 GRAPH = Path(__file__).with_name("late_navigation.yaml")
 BUSY_S, PERIOD_S, OTHERS_S = 0.3, 0.1, 0.1
@@ -27,7 +27,7 @@ LOOK_S = 5.0
 """Ages are those of the commands in so many seconds before a look."""
 
 
-def test_late(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_late(targets: Targets, seeds: range, tmp_path: Path) -> None:
     """Drive for 32 s with a stage that is late: where that is reported, and what could grow but does not."""
     with Rig(tmp_path, 211, seeds[0], ("--set", "robot.ends=false", "--until", "45")) as rig:
         navigation = rig.navigate(str(GRAPH), ("--tap", "thin", "--until", "32", "--set", "run.record=all"))
@@ -62,7 +62,7 @@ def test_late(figures: Figures, seeds: range, tmp_path: Path) -> None:
         f"{passed_over} times a newer frame had come when the slow stage began": passed_over == 0,
     }
     for what, holds in checks.items():
-        figures.check(what, good=holds)
+        targets.check(what, good=holds)
 
 
 def _steering_frames(log: Recording) -> tuple[list[tuple[float, float]], int]:

@@ -14,7 +14,7 @@ from testbed.rig import Rig
 from graphnav import Recording
 from graphnav.arrays import Doubles
 from graphnav.core.record import LOG, Event
-from tests.figures import Figures
+from tests.targets import Targets
 
 DRIVE_S = 20.0
 ON_ITS_WAY_S = 0.02
@@ -41,7 +41,7 @@ class Load(NamedTuple):
 
 
 @pytest.mark.parametrize("name", CAMERAS)
-def test_load(figures: Figures, seeds: range, tmp_path: Path, name: str) -> None:
+def test_load(targets: Targets, seeds: range, tmp_path: Path, name: str) -> None:
     """Overtaken frames, ages, and newer frames passed over, of drives of the first three seeds.
 
     Frames and ages are of drives that record small messages, as live runs do by default. Whether the newest frame was
@@ -54,7 +54,7 @@ def test_load(figures: Figures, seeds: range, tmp_path: Path, name: str) -> None
     p50, p99 = np.quantile(ages_ms, [0.5, 0.99])
     everything = (_passed_over(name, seed, tmp_path / f"all-{seed}") for seed in seeds[:3])
     looked_at, passed_over, dropped = map(sum, zip(*everything, strict=True))
-    figures.check(
+    targets.check(
         f"{name}: {came} frames came, {lost} were lost on the network, {overtaken} overtaken ({overtaken / came:.3f}); "
         f"age of the frame that steered: p50 {p50:.0f}, p99 {p99:.0f}, max {ages_ms.max():.0f} ms; with everything "
         f"recorded ({dropped} messages dropped by the log) a newer frame was there at {passed_over} of {looked_at} "

@@ -9,7 +9,7 @@ from pathlib import Path
 from bench_record import LOADS, RAW, SPIES, Loss, measure
 from testbed.terminal import HAS_TMUX
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 ROUNDS = 4
 DURATION_S = 10.0
@@ -17,10 +17,10 @@ NOISE_RATIO = 0.001
 """Each program has its own socket, which the kernel may catch at another moment: so much more than raw is not more."""
 
 
-def test_loss(figures: Figures, tmp_path: Path) -> None:
-    """What each listener lost of each load in each round, and what it says; judged are the sums over the rounds."""
+def test_loss(targets: Targets, tmp_path: Path) -> None:
+    """Losses of each listener, of each load and round, and what it says; judged are the sums over the rounds."""
     if not HAS_TMUX:
-        figures.say("tmux is missing: the full-screen spy is left out")
+        targets.say("tmux is missing: the full-screen spy is left out")
     heard: dict[tuple[str, str, str], list[tuple[Loss, Loss]]] = {}
     for number in range(ROUNDS):
         for place, channels in enumerate(LOADS):
@@ -29,7 +29,7 @@ def test_loss(figures: Figures, tmp_path: Path) -> None:
             losses = measure(channels, DURATION_S, folder, SPIES[number % len(SPIES)])
             raw = {loss.channel: loss for loss in losses if loss.listener == RAW}
             for loss in losses:
-                figures.say(str(loss))
+                targets.say(str(loss))
                 if loss.listener != RAW:
                     kind = loss.load, loss.channel, loss.listener
                     heard.setdefault(kind, []).append((loss, raw[loss.channel]))
@@ -39,7 +39,7 @@ def test_loss(figures: Figures, tmp_path: Path) -> None:
         is_told = all(own.is_told for own, _ in pairs)
         told = "all of it told" if is_told else "NOT all of it told"
         text = f"{load}, {channel}: {name} lost {own_ratio:.3%}, {told}; raw python-lcm lost {raw_ratio:.3%}"
-        figures.check(text, good=is_told and own_ratio <= raw_ratio + NOISE_RATIO)
+        targets.check(text, good=is_told and own_ratio <= raw_ratio + NOISE_RATIO)
 
 
 def _lost_ratio(losses: Sequence[Loss]) -> float:

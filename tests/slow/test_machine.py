@@ -1,4 +1,4 @@
-"""What depends on the machine: memory, reception by a logger, Ctrl-C, a fresh clone."""
+"""Measures that depend on the machine: memory, reception by a logger, Ctrl-C, a fresh clone."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from testbed.processes import await_file
 
 from graphnav import Recording
 from graphnav.core.bus import GROUP
-from tests.figures import Figures
+from tests.targets import Targets
 
 ROOT = Path(__file__).resolve().parents[2]
 WANDER = "teach_downward"
@@ -26,11 +26,11 @@ MAX_PEAK_MB = 250
 MAX_END_S = 1.0
 
 
-def test_memory(figures: Figures, tmp_path: Path) -> None:
+def test_memory(targets: Targets, tmp_path: Path) -> None:
     """The peak memory of a run of 60 s and of one of 600 s of simulated time."""
     peaks = [_peak_mb(until_s, tmp_path / f"{until_s}") for until_s in (60, 600)]
     text = f"peak memory {peaks[0]:.1f} MB in 60 s, {peaks[1]:.1f} MB in 600 s (below {MAX_PEAK_MB})"
-    figures.check(text, good=abs(peaks[1] / peaks[0] - 1) <= 0.05 and max(peaks) < MAX_PEAK_MB)
+    targets.check(text, good=abs(peaks[1] / peaks[0] - 1) <= 0.05 and max(peaks) < MAX_PEAK_MB)
 
 
 def _peak_mb(until_s: float, folder: Path) -> float:
@@ -47,12 +47,12 @@ def _peak_mb(until_s: float, folder: Path) -> float:
 @pytest.mark.parametrize(
     ("tap", "buffer", "min_share"), [("full", "&recv_buf_size=2097152", 0.0), ("thin", "", 0.99)], ids=["full", "thin"]
 )
-def test_heard(figures: Figures, tmp_path: Path, tap: str, buffer: str, min_share: float) -> None:
+def test_heard(targets: Targets, tmp_path: Path, tap: str, buffer: str, min_share: float) -> None:
     """The share of the messages that lcm-logger gets: full with a large buffer, thinned with a stock one."""
     ours, theirs, wrong = _logged(tap, buffer, tmp_path)
     share = theirs / ours
     text = f"--tap {tap}: lcm-logger got {theirs} of {ours} ({share:.4f}, at least {min_share}), {wrong} differ"
-    figures.check(text, good=not wrong and share >= min_share)
+    targets.check(text, good=not wrong and share >= min_share)
 
 
 def _logged(tap: str, buffer: str, folder: Path) -> tuple[int, int, int]:
@@ -78,7 +78,7 @@ def _logged(tap: str, buffer: str, folder: Path) -> tuple[int, int, int]:
 
 
 @pytest.mark.parametrize("after_s", [0.5, 1.0, 1.7, 2.9, 4.1])
-def test_interrupt(figures: Figures, tmp_path: Path, after_s: float) -> None:
+def test_interrupt(targets: Targets, tmp_path: Path, after_s: float) -> None:
     """Press Ctrl-C during a drive: how long it then takes to end, log and summary written."""
     command = [str(GRAPHNAV), "run", "corridor_ccw", "--pace", "2", "-o", str(tmp_path / "run")]
     run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -92,11 +92,11 @@ def test_interrupt(figures: Figures, tmp_path: Path, after_s: float) -> None:
     with Recording(log) as recording:
         assert recording.truncated is None
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["outcome"] == "stopped"
-    figures.check(f"Ctrl-C: ended within {took_s:.2f} s, log and summary complete", good=took_s <= MAX_END_S)
+    targets.check(f"Ctrl-C: ended within {took_s:.2f} s, log and summary complete", good=took_s <= MAX_END_S)
 
 
 @pytest.mark.parametrize("name", ["plain", "with a space"])
-def test_fresh(figures: Figures, tmp_path: Path, name: str) -> None:
+def test_fresh(targets: Targets, tmp_path: Path, name: str) -> None:
     """Clone into an empty folder, and into one with a space in its path, and run the two lines of the README."""
     lines = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(), re.MULTILINE)
     assert len(lines) == 2
@@ -108,7 +108,7 @@ def test_fresh(figures: Figures, tmp_path: Path, name: str) -> None:
         failed = re.findall(r"^(?:FAILED|ERROR) .*$", done.stdout, re.MULTILINE)
         last = failed or done.stdout.strip().splitlines()[-1:]
         text = f"'{name}': {line[:60]}… {time.monotonic() - begin_s:.0f} s: {last}"
-        figures.check(text, good=done.returncode == 0)
+        targets.check(text, good=done.returncode == 0)
     runs = [sorted(path.name for path in run.iterdir()) for run in folder.glob("runs/*")]
     wanted = {"run.lcmlog", "graph.yaml", "summary.json", "map.png", "panels.png"}
-    figures.check(f"left {runs}", good=bool(runs) and wanted <= set(runs[0]))
+    targets.check(f"left {runs}", good=bool(runs) and wanted <= set(runs[0]))

@@ -19,7 +19,7 @@ from graphnav_adapters.bot_core_image import MJPEG, BotCoreImage
 from testbed.processes import graphnav_run, group_url, running
 
 from graphnav.core.codec import codec_of
-from tests.figures import Figures
+from tests.targets import Targets
 
 GRAPH = """\
 inputs:
@@ -150,7 +150,7 @@ HARMLESS = Mistake("a zeroed struct: step_px and seq are 0", [image(seq=0), odom
 
 
 @pytest.mark.parametrize("mistake", [*MISTAKES, HARMLESS], ids=lambda mistake: mistake.name)
-def test_mistakes(figures: Figures, tmp_path: Path, mistake: Mistake) -> None:
+def test_mistakes(targets: Targets, tmp_path: Path, mistake: Mistake) -> None:
     """Make a mistake live; print the line that tells it."""
     url = group_url(NUMBER)
     (tmp_path / "graph.yaml").write_text(GRAPH.format(type=mistake.type_name))
@@ -159,13 +159,13 @@ def test_mistakes(figures: Figures, tmp_path: Path, mistake: Mistake) -> None:
         printed = _send(url, mistake, output, process)
     if mistake.told:
         line = next((line.strip() for line in printed.splitlines() if mistake.told in line), None)
-        figures.check(f"{mistake.name}: {line or f'printed {printed[-800:]!r}'}", good=line is not None)
+        targets.check(f"{mistake.name}: {line or f'printed {printed[-800:]!r}'}", good=line is not None)
         return
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     (camera,) = (one for one in summary["live"]["inputs"] if one["channel"] == "CAMERA")
     told = [line for line in summary["notices"] if "camera" in line]
     good = camera["accepted"] > 0 and not camera["reasons"] and not told
-    figures.check(f"{mistake.name}: {camera['accepted']} pictures used {told}", good=good)
+    targets.check(f"{mistake.name}: {camera['accepted']} pictures used {told}", good=good)
 
 
 def _send(url: str, mistake: Mistake, output: Path, process: subprocess.Popen[bytes]) -> str:

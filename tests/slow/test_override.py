@@ -12,7 +12,7 @@ from testbed.rig import Rig
 
 from graphnav import GuardState, Recording, State, Stop, Twist
 from graphnav.core.codec import decode
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .teleop_keys import TeleopKeys
 
@@ -39,7 +39,7 @@ class Overridden:
     drives_on_s: float = math.nan
 
 
-def test_interop_teleop_overrides_the_graph(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_interop_teleop_overrides_the_graph(targets: Targets, seeds: range, tmp_path: Path) -> None:
     """Drive, override, release, stop, arm, drive to the end."""
     with Rig(tmp_path, 202, seeds[1 % len(seeds)], ("--set", "robot.state_hz=100")) as rig:
         rig.navigate()
@@ -76,7 +76,7 @@ def test_interop_teleop_overrides_the_graph(figures: Figures, seeds: range, tmp_
         and stands_s <= GUARD_PERIOD_S + brakes_s + ON_TIME_S
         and told.drives_on_s > told.armed_s
     )
-    figures.check(
+    targets.check(
         f"{told.firings} firings overridden, {told.differing} with another command than the operator's; the robot "
         f"turned at {turns_radps[0]:+.2f} and {turns_radps[1]:+.2f} rad/s, drove back at {slowest_mps:+.2f} m/s; the "
         f"graph drove on {back_s:.3f} s after the operator's last message; x: stop left after {zero_s:.3f} s, the "

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 MODELS = ("Haswell", "EPYC")
 """CPUs with AVX2 and FMA: the first of Intel, and one of AMD."""
@@ -24,7 +24,7 @@ _OLDEST_QEMU = 8
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("graph", "seed"), list(product(GRAPHS, SEEDS)))
-def test_portable(figures: Figures, tmp_path: Path, graph: str, seed: int, model: str) -> None:
+def test_portable(targets: Targets, tmp_path: Path, graph: str, seed: int, model: str) -> None:
     """Drives of two seconds are the same here and under QEMU."""
     qemu = shutil.which("qemu-x86_64")
     version = _version(qemu) if qemu else 0
@@ -33,7 +33,7 @@ def test_portable(figures: Figures, tmp_path: Path, graph: str, seed: int, model
     here = _log(tmp_path / "here", graph, seed)
     there = _log(tmp_path / "there", graph, seed, [str(qemu), "-cpu", model])
     found = "the same" if here == there else "another log"
-    figures.check(f"{graph}, seed {seed}, 2 s: {len(here)} bytes here, on {model} {found}", good=here == there)
+    targets.check(f"{graph}, seed {seed}, 2 s: {len(here)} bytes here, on {model} {found}", good=here == there)
 
 
 def _version(qemu: str) -> int:

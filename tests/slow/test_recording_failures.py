@@ -23,7 +23,7 @@ from graphnav import Image, Twist
 from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
 from graphnav.core.record import Recording
-from tests.figures import Figures
+from tests.targets import Targets
 
 _N_KILLS = 10
 _MAX_KILL_S = 3.0
@@ -42,7 +42,7 @@ class Left(NamedTuple):
     last_us: int
 
 
-def test_damage_by_killing_record(figures: Figures, tmp_path: Path) -> None:
+def test_damage_by_killing_record(targets: Targets, tmp_path: Path) -> None:
     """Kill a recording at random moments: what is left of it is complete to its last event."""
     drawn = random.Random(8)
     n_good, n_events, n_truncated, unwritten_s = 0, 0, 0, 0.0
@@ -59,31 +59,31 @@ def test_damage_by_killing_record(figures: Figures, tmp_path: Path) -> None:
         n_good += left.n_damaged == 0 and behind_s <= _MAX_UNWRITTEN_S
         n_events, n_truncated = n_events + left.n_events, n_truncated + bool(left.n_truncated_bytes)
         unwritten_s = max(unwritten_s, behind_s)
-    figures.check(
+    targets.check(
         f"record killed with -9 at {_N_KILLS} random moments: {n_good} logs readable to the last complete event, "
         f"{n_events} events in all, {n_truncated} ended within one; the last event was {unwritten_s:.2f} s old at most",
         good=n_good == _N_KILLS and n_events > 0,
     )
 
 
-def test_damage_by_a_file_of_limited_size(figures: Figures, tmp_path: Path) -> None:
+def test_damage_by_a_file_of_limited_size(targets: Targets, tmp_path: Path) -> None:
     """That no more fits is told at once, and what was written is readable."""
-    _fill(figures, "a file of limited size", tmp_path / "limited.lcmlog", group_url(211), _FULL_BYTES)
+    _fill(targets, "a file of limited size", tmp_path / "limited.lcmlog", group_url(211), _FULL_BYTES)
 
 
-def test_damage_by_a_full_disk(figures: Figures, tmp_path: Path) -> None:
+def test_damage_by_a_full_disk(targets: Targets, tmp_path: Path) -> None:
     disk = tmp_path / "disk"
     disk.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", f"size={_FULL_BYTES}", "tmpfs", str(disk)]
     if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode:
         pytest.skip("a small disk cannot be mounted here")
     try:
-        _fill(figures, "a full disk", disk / "full.lcmlog", group_url(212))
+        _fill(targets, "a full disk", disk / "full.lcmlog", group_url(212))
     finally:
         subprocess.run(["umount", str(disk)], check=True)
 
 
-def _fill(figures: Figures, what: str, log: Path, url: str, max_bytes: int | None = None) -> None:
+def _fill(targets: Targets, what: str, log: Path, url: str, max_bytes: int | None = None) -> None:
     with _recording(log, url, max_bytes) as process, _flood(url):
         await_file(log)
         full_s = _await_size(log, process)
@@ -95,7 +95,7 @@ def _fill(figures: Figures, what: str, log: Path, url: str, max_bytes: int | Non
     left = _left(log)
     good = process.returncode == 1 and any(log.name in line for line in told) and took_s <= _MAX_TOLD_S
     good = good and left.n_damaged == left.n_truncated_bytes == 0 and left.n_events > 0
-    figures.check(
+    targets.check(
         f"record onto {what}: ended with status {process.returncode} {took_s:.1f} s after {_FULL_BYTES} bytes, "
         f"{left.n_events} events readable, {left.n_truncated_bytes} bytes behind them; it said: {' / '.join(told)}",
         good=good,

@@ -24,7 +24,7 @@ from graphnav.replay.comparison.result import ReplayResult
 from graphnav.replay.log.log_graph import graph_to_replay
 from graphnav.replay.replay import ReplayOptions, replay
 from graphnav.watch.loginfo import survey
-from tests.figures import Figures
+from tests.targets import Targets
 
 LIMIT = Path(__file__).parent / "stages" / "turn_limit.py"
 LIMITED = (
@@ -44,25 +44,25 @@ MAX_RATIO = 0.5
 
 
 @pytest.mark.parametrize("place", range(3))
-def test_replay_in_lockstep(figures: Figures, seeds: range, tmp_path: Path, place: int) -> None:
+def test_replay_in_lockstep(targets: Targets, seeds: range, tmp_path: Path, place: int) -> None:
     """A recorded drive steps again as it was and with changes, which are found."""
     seed = seeds[place % len(seeds)]
     command = [str(GRAPHNAV), "run", "corridor_ccw", "--seed", str(seed), "--until", str(DRIVE_S), "--no-tap"]
     command += ["--no-pictures", "-o", str(tmp_path / "run"), *LIMITED]
     subprocess.run(command, check=True, capture_output=True)
-    _check_replays(figures, tmp_path / "run" / LOG, tmp_path)
+    _check_replays(targets, tmp_path / "run" / LOG, tmp_path)
 
 
-def test_replay_live(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_replay_live(targets: Targets, seeds: range, tmp_path: Path) -> None:
     with Rig(tmp_path, 90, seeds[0], max_drive_s=LIVE_S) as rig:
         rig.navigate(options=[*LIMITED, "--set", "run.record=all"])
         rig.finish()
-    _check_replays(figures, tmp_path / "navigation-0" / LOG, tmp_path)
+    _check_replays(targets, tmp_path / "navigation-0" / LOG, tmp_path)
 
 
-def _check_replays(figures: Figures, log: Path, folder: Path) -> None:
+def _check_replays(targets: Targets, log: Path, folder: Path) -> None:
     for good, text in _replays(log, folder):
-        figures.check(text, good=good)
+        targets.check(text, good=good)
 
 
 def _replays(log: Path, folder: Path) -> Iterator[tuple[bool, str]]:
@@ -138,7 +138,7 @@ def _told(result: ReplayResult) -> str:
     return f"{text} on {channels} of {len(result.channels)} channels, the first {name} at {first.at_us / 1e6:.2f} s"
 
 
-def test_replay_the_tap_by_lcm_logger(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_replay_the_tap_by_lcm_logger(targets: Targets, seeds: range, tmp_path: Path) -> None:
     """Let lcm-logger record the tap of a run, and read that."""
     url, log = group_url(213) + "&recv_buf_size=4194304", tmp_path / "heard.lcmlog"
     logger = [str(Path(lcm.LCM_BIN_DIR) / "lcm-logger"), "--quiet", "--lcm-url", url, str(log)]
@@ -150,16 +150,16 @@ def test_replay_the_tap_by_lcm_logger(figures: Figures, seeds: range, tmp_path: 
         time.sleep(1)
         end(process)
     info, result = survey(log), _replay(log)
-    figures.check(
+    targets.check(
         f"lcm-logger's recording: info counts {info.n_messages} messages on {len(info.channels)} channels; "
         f"replay: {result.n_ticks} ticks, {_told(result)}",
         good=result.is_equal and _n_compared(result) > 0 and result.n_ticks == round(10 * TAPPED_S) + 1,
     )
 
 
-def test_replay_is_fast(figures: Figures) -> None:
+def test_replay_is_fast(targets: Targets) -> None:
     found = measure()
-    figures.check(
+    targets.check(
         f"--play {','.join(PLAY)} of a drive of {found['driven, s']:.0f} s (of {UNTIL_S}): {found['replay, s']:.1f} s, "
         f"the run {found['run, s']:.1f} s: ratio {found['ratio']:.2f}, at most {MAX_RATIO}",
         good=found["ratio"] <= MAX_RATIO,

@@ -13,7 +13,7 @@ from graphnav import Recording
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import load_graph, shipped_folder
 from graphnav.core.record import ABOUT, LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 DRIVES = (("corridor_ccw", 15.0), ("pillars", 15.0), ("approach", 10.0))
 """Graphs, and seconds of each."""
@@ -23,11 +23,11 @@ MAX_RATIO = 0.2
 
 @pytest.mark.parametrize("place", range(3))
 @pytest.mark.parametrize(("graph", "until_s"), DRIVES)
-def test_replayable(figures: Figures, seeds: range, tmp_path: Path, graph: str, until_s: float, place: int) -> None:
+def test_replayable(targets: Targets, seeds: range, tmp_path: Path, graph: str, until_s: float, place: int) -> None:
     """The replay of a replayable log makes the full one, which is much larger."""
     seed = seeds[place % len(seeds)]
     found = _compared(graph, until_s, seed, tmp_path)
-    figures.check(
+    targets.check(
         f"{graph}, seed {seed}, {until_s:g} s: {found.kept_bytes / 1e6:.1f} of {found.full_bytes / 1e6:.1f} MB, ratio "
         f"{found.ratio:.3f} (at most {MAX_RATIO}); {found.n_differing} of {found.n_messages} messages differ from the "
         "full log",
@@ -36,7 +36,7 @@ def test_replayable(figures: Figures, seeds: range, tmp_path: Path, graph: str, 
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in shipped_folder().glob("*.yaml")))
-def test_replayable_sizes(figures: Figures, seeds: range, tmp_path: Path, name: str) -> None:
+def test_replayable_sizes(targets: Targets, seeds: range, tmp_path: Path, name: str) -> None:
     """The sizes of the default and the full log of a graph that ships and runs alone in lockstep."""
     if load_graph(name, Catalog()).inputs:
         pytest.skip("a live graph, which would send to other programs")
@@ -44,10 +44,10 @@ def test_replayable_sizes(figures: Figures, seeds: range, tmp_path: Path, name: 
         full, kept = (_drive(name, 5.0, seeds[0], record, tmp_path) for record in ("all", None))
     except subprocess.CalledProcessError:
         pytest.skip("not a graph that runs alone in lockstep")
-    figures.say(f"{name}, 5 s: {kept.stat().st_size / 1e6:.2f} of {full.stat().st_size / 1e6:.2f} MB")
+    targets.say(f"{name}, 5 s: {kept.stat().st_size / 1e6:.2f} of {full.stat().st_size / 1e6:.2f} MB")
 
 
-def test_replayable_readers_agree(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_replayable_readers_agree(targets: Targets, seeds: range, tmp_path: Path) -> None:
     """Commands write of a default log what they write of a full one."""
     logs = [_drive("corridor_ccw", 15.0, seeds[0], record, tmp_path).parent for record in ("all", None)]
     for words in (["figure"], ["export", "--to", "mcap"], ["export", "--to", "csv"], ["spy", "--once"], ["hz"]):
@@ -59,7 +59,7 @@ def test_replayable_readers_agree(figures: Figures, seeds: range, tmp_path: Path
             files = sorted(path for path in (out, *out.rglob("*")) if path.is_file())
             text = b"" if target else done.stdout.replace(str(log).encode(), b"")
             found.append((text, [path.read_bytes() for path in files]))
-        figures.check(f"{' '.join(words)}: of the default log as of the full one", good=found[0] == found[1])
+        targets.check(f"{' '.join(words)}: of the default log as of the full one", good=found[0] == found[1])
 
 
 class _Compared(NamedTuple):

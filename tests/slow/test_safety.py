@@ -22,7 +22,7 @@ from pathlib import Path
 from testbed.commands import CommandListener
 from testbed.rig import Rig, navigation_words
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .launched import Launched, Launcher
 from .safety_faults import ENDING, PASSING, Fault
@@ -198,7 +198,7 @@ class Proof:
             return self._pending.pop() if self._pending else None
 
 
-def test_safety(figures: Figures, seeds: range, jobs: int) -> None:
+def test_safety(targets: Targets, seeds: range, jobs: int) -> None:
     """Meet every fault as many times as there are seeds; print what each did."""
     proof = Proof(seeds)
     begin_s = time.monotonic()
@@ -206,6 +206,6 @@ def test_safety(figures: Figures, seeds: range, jobs: int) -> None:
         list(pool.map(proof.drive_all, range(FIRST_NUMBER, FIRST_NUMBER + jobs)))
     for fault in (*PASSING, *ENDING):
         is_met, line = lines(fault.name, [one for one in proof.measured if one.name == fault.name], len(seeds))
-        figures.check(line, good=is_met)
+        targets.check(line, good=is_met)
     ended = {outcome: proof.outcomes.count(outcome) for outcome in sorted(set(proof.outcomes))}
-    figures.say(f"{len(proof.outcomes)} drives in {time.monotonic() - begin_s:.0f} s ended: {ended}")
+    targets.say(f"{len(proof.outcomes)} drives in {time.monotonic() - begin_s:.0f} s ended: {ended}")

@@ -18,7 +18,7 @@ from testbed.terminal import HAS_TMUX, Terminal
 
 from graphnav import Recording
 from graphnav.core.record import LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .screen_reading import has_picture, screen_picture, shown_rates
 
@@ -50,14 +50,14 @@ _LOOKS = {
 
 @pytest.mark.skipif(not HAS_TMUX, reason="tmux is not installed")
 @pytest.mark.parametrize("name", _LOOKS)
-def test_screens(figures: Figures, seeds: range, tmp_path_factory: pytest.TempPathFactory, name: str) -> None:
+def test_screens(targets: Targets, seeds: range, tmp_path_factory: pytest.TempPathFactory, name: str) -> None:
     """Watch two runs one after the other in a kind of terminal; print rates and where the captures are."""
     folder = tmp_path_factory.mktemp(f"screens-{name}")
     url = group_url(221 + list(_LOOKS).index(name))
     with closing(_Watched(folder, _LOOKS[name], url)) as watched:
         good, numbers = watched.look(seeds[:2])
-    figures.check(f"{name}: {numbers}", good=good)
-    figures.say(f"look at {folder}")
+    targets.check(f"{name}: {numbers}", good=good)
+    targets.say(f"look at {folder}")
 
 
 class _Watched:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from testbed.drives import GRAPHNAV
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 HOUR_S = 3600.0
 _LOCKSTEP, _LIVE = "udpm://239.255.97.1:7697?ttl=0", "udpm://239.255.97.2:7698?ttl=0"
@@ -43,7 +43,7 @@ class Program(NamedTuple):
     sizes: list[Size]
 
 
-def test_soak(figures: Figures, tmp_path: Path) -> None:
+def test_soak(targets: Targets, tmp_path: Path) -> None:
     """How programs grow: a lockstep run with its tap and a spy in an hour, a live pair in half an hour."""
     with ExitStack() as ending:
         programs = list(_programs(tmp_path, ending))
@@ -54,7 +54,7 @@ def test_soak(figures: Figures, tmp_path: Path) -> None:
                     program.sizes.append(_size(program.pid))
             time.sleep(_PERIOD_S)
     for program in programs:
-        _judge(figures, program)
+        _judge(targets, program)
 
 
 def _programs(scratch: Path, ending: ExitStack) -> Iterator[Program]:
@@ -74,12 +74,12 @@ def _programs(scratch: Path, ending: ExitStack) -> Iterator[Program]:
     yield begun("live driver", half_s, _LIVE, "run", "navigate_robot", *_ENDLESS, "-o", str(scratch / "driver"))
 
 
-def _judge(figures: Figures, program: Program) -> None:
+def _judge(targets: Targets, program: Program) -> None:
     """Print the sizes of a program after a tenth of its time and at its end; check that they are the same."""
     n_later = len(program.sizes) // 10
     if not n_later or program.sizes[-1].memory_mb == 0.0:
         text = f"{program.name}: ended early, after {_PERIOD_S * len(program.sizes):.0f} s at most"
-        figures.check(text, good=False)
+        targets.check(text, good=False)
         return
     begin, end = program.sizes[n_later : 2 * n_later], program.sizes[-n_later:]
     memory_mb = [median(size.memory_mb for size in part) for part in (begin, end)]
@@ -87,7 +87,7 @@ def _judge(figures: Figures, program: Program) -> None:
     threads = [max(size.threads for size in part) for part in (begin, end)]
     is_flat = memory_mb[1] <= memory_mb[0] * _MAX_RATIO + _MAX_MORE_MB and files[1] <= files[0]
     is_flat = is_flat and threads[1] <= threads[0]
-    figures.check(
+    targets.check(
         f"{program.name}, {program.lasts_s / 60:.0f} min: memory {memory_mb[0]:.1f} to {memory_mb[1]:.1f} MB, files "
         f"{files[0]} to {files[1]}, threads {threads[0]} to {threads[1]} (from the second to the last tenth of the "
         "time)",

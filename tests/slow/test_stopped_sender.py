@@ -18,7 +18,7 @@ from testbed.rig import Rig, summary_of
 
 from graphnav import Recording, Status
 from graphnav.core.record import LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 NUMBER = 216
 MOVING_MPS = 0.05
@@ -100,7 +100,7 @@ def wait(holds: Callable[[], bool]) -> None:
         time.sleep(0.002)
 
 
-def test_stopped_sender(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_stopped_sender(targets: Targets, seeds: range, tmp_path: Path) -> None:
     """Suspend the motor process as many times as there are seeds, then kill it; print what was told and heard."""
     rng, n = random.Random(seeds[0]), len(seeds)
     with (
@@ -129,7 +129,7 @@ def test_stopped_sender(figures: Figures, seeds: range, tmp_path: Path) -> None:
         f"killed: outcome {summary['outcome']}, {stops} stops": summary["outcome"] == "failed" and stops >= 20,
     }
     for what, holds in checks.items():
-        figures.check(what, good=holds)
+        targets.check(what, good=holds)
 
 
 def _spread(seconds: Sequence[float]) -> str:

@@ -14,7 +14,7 @@ from testbed.drives import GRAPHNAV
 
 from graphnav.arrays import Doubles
 from graphnav.studies.ablation.results import student, wilson
-from tests.figures import Figures
+from tests.targets import Targets
 
 Run = dict[str, str]
 
@@ -41,55 +41,55 @@ MAX_AT_FAULT = 0.04
 MIN_PROGRESS = 0.7
 
 
-def test_controls(figures: Figures, seeds: range, jobs: int) -> None:
+def test_controls(targets: Targets, seeds: range, jobs: int) -> None:
     """Forward and random fail, the oracle arrives, all_ground scores 0.5, the truth bounds flows and detectors."""
     steering = study("steering", seeds, jobs)
     for graph in DRIVES:
         for steer in ("forward", "random"):
-            _share(figures, steering, graph, {"steer": steer}, "failed", 0.9)
-        _share(figures, steering, graph, {"steer": "oracle"}, "arrived", 0.98)
+            _share(targets, steering, graph, {"steer": steer}, "failed", 0.9)
+        _share(targets, steering, graph, {"steer": "oracle"}, "arrived", 0.98)
     detectors = study("detectors", seeds, jobs)
     at = {"planar": "planar.motion"}
     for graph in DRIVES:
         found = sorted(set(_metrics(detectors, graph, {**at, "plane": "plane.all_ground"}, "sight.auroc").tolist()))
-        figures.check(f"{graph}: plane.all_ground scores AUROC {found}, exactly 0.5", good=found == [0.5])
+        targets.check(f"{graph}: plane.all_ground scores AUROC {found}, exactly 0.5", good=found == [0.5])
         prior = _metrics(detectors, graph, {**at, "plane": "plane.row_prior"}, "sight.auroc")
-        figures.say(f"{graph}: plane.row_prior scores AUROC {np.mean(prior):.3f} (the prior's)")
+        targets.say(f"{graph}: plane.row_prior scores AUROC {np.mean(prior):.3f} (the prior's)")
         for plane in _values(detectors, "plane") - {"plane.truth"}:
             for metric in ("sight.auroc", "drive.success"):
                 bound = _metrics(detectors, graph, {**at, "plane": "plane.truth"}, metric)
                 other = _metrics(detectors, graph, {**at, "plane": plane}, metric)
-                _bounded(figures, f"{graph}: {metric} of {plane}", other, bound)
+                _bounded(targets, f"{graph}: {metric} of {plane}", other, bound)
     flows = study("flows", seeds, jobs)
     for speed in sorted(_values(flows, "speed")):
         for flow in sorted(_values(flows, "flow") - {"truth"}):
             for metric, sign in (("sense.epe_px", -1.0), ("residual_sight.auroc", 1.0)):
                 bound = _metrics(flows, "measure_flow", {"speed": speed, "flow": "truth"}, metric)
                 other = _metrics(flows, "measure_flow", {"speed": speed, "flow": flow}, metric)
-                _bounded(figures, f"{speed}: {metric} of {flow}", sign * other, sign * bound)
+                _bounded(targets, f"{speed}: {metric} of {flow}", sign * other, sign * bound)
 
 
-def test_targets(figures: Figures, seeds: range, jobs: int) -> None:
+def test_targets(targets: Targets, seeds: range, jobs: int) -> None:
     """Corridors and pillars are driven, with odometry and without, no worse than the truth drives them."""
     runs = study("detectors", seeds, jobs)
     for planar in ("planar.motion", "planar.subspace"):
         chosen = {"plane": "plane.ica", "planar": planar}
         for graph in DRIVES:
-            _share(figures, runs, graph, chosen, "arrived", 0.9 if graph == "pillars" else 0.98)
+            _share(targets, runs, graph, chosen, "arrived", 0.9 if graph == "pillars" else 0.98)
             truth = _metrics(runs, graph, {"plane": "plane.truth", "planar": "planar.motion"}, "drive.success")
-            _bounded(figures, f"{graph}: plane.truth", truth, _metrics(runs, graph, chosen, "drive.success"))
+            _bounded(targets, f"{graph}: plane.truth", truth, _metrics(runs, graph, chosen, "drive.success"))
 
 
-def test_navigate(figures: Figures, seeds: range, jobs: int) -> None:
+def test_navigate(targets: Targets, seeds: range, jobs: int) -> None:
     """The graph navigate and, in its place, the true obstacles drive every world of the suite."""
     runs = study("navigate_suite", seeds, jobs)
     for world in dict.fromkeys(run["graph"].removeprefix("navigate/") for run in runs):
         for method in ("navigate", "truth"):
             ours = [run for run in runs if run["graph"] == f"navigate/{world}" and run["method"] == method]
             if world == "laps":
-                _lasts(figures, method, ours)
+                _lasts(targets, method, ours)
             else:
-                _arrives(figures, world, method, ours)
+                _arrives(targets, world, method, ours)
 
 
 def study(name: str, seeds: range, jobs: int) -> list[Run]:
@@ -116,31 +116,31 @@ def _metrics(runs: Iterable[Run], graph: str, labels: dict[str, str], metric: st
 
 
 def _share(
-    figures: Figures, runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, min_share: float
+    targets: Targets, runs: Iterable[Run], graph: str, labels: dict[str, str], what: str, min_share: float
 ) -> None:
     """Report the number of worlds in which the drive arrived without contact, or failed to."""
     who = f"{graph}: {' + '.join(labels.values())}"
     ends = [run["outcome"] == "goal" for run in _chosen(runs, graph, labels)]
     if not ends:
-        figures.check(f"{who}: there is no run", good=False)
+        targets.check(f"{who}: there is no run", good=False)
         return
     count = sum(ends) if what == "arrived" else len(ends) - sum(ends)
     low, high = wilson(count, len(ends))
     text = f"{who} {what} in {count} of {len(ends)} worlds [{low:.2f}, {high:.2f}], at least {min_share:g}"
-    figures.check(text, good=count >= min_share * len(ends))
+    targets.check(text, good=count >= min_share * len(ends))
 
 
-def _bounded(figures: Figures, what: str, values: Doubles, bound: Doubles) -> None:
+def _bounded(targets: Targets, what: str, values: Doubles, bound: Doubles) -> None:
     """Check that the paired difference from what bounds it is not plainly above zero (95 %, Student over worlds)."""
     difference = (values - bound)[~np.isnan(values - bound)]
     if not len(difference):
-        figures.check(f"{what}: no world has the metric", good=False)
+        targets.check(f"{what}: no world has the metric", good=False)
         return
     low, high = student(difference)
-    figures.check(f"{what} minus its bound: {difference.mean():+.4f} [{low:+.4f}, {high:+.4f}]", good=low <= 0.0)
+    targets.check(f"{what} minus its bound: {difference.mean():+.4f} [{low:+.4f}, {high:+.4f}]", good=low <= 0.0)
 
 
-def _arrives(figures: Figures, world: str, method: str, runs: Sequence[Run]) -> None:
+def _arrives(targets: Targets, world: str, method: str, runs: Sequence[Run]) -> None:
     ends = Counter(run["outcome"] for run in runs)
     at_fault = sum(float(run["drive.at_fault"] or 0.0) for run in runs)
     goals = ends.pop("goal", 0)
@@ -149,12 +149,12 @@ def _arrives(figures: Figures, world: str, method: str, runs: Sequence[Run]) -> 
     others = "".join(f", {end} {count}" for end, count in sorted(ends.items()))
     faults = f", of them at fault {at_fault:g}" if world.startswith("crossers") else ""
     wanted = f", at least {share:g}" if share else ""
-    figures.check(f"{world}: {method} arrives in {goals} of {len(runs)}{wanted}{others}{faults}", good=good)
+    targets.check(f"{world}: {method} arrives in {goals} of {len(runs)}{wanted}{others}{faults}", good=good)
 
 
-def _lasts(figures: Figures, method: str, runs: Sequence[Run]) -> None:
+def _lasts(targets: Targets, method: str, runs: Sequence[Run]) -> None:
     lasted = sum(run["outcome"] != "contact" for run in runs)
     slowest = min(float(run["drive.progress_ratio"] or 0.0) for run in runs)
-    figures.check(f"laps: {method} lasts without contact in {lasted} of {len(runs)}", good=lasted == len(runs))
+    targets.check(f"laps: {method} lasts without contact in {lasted} of {len(runs)}", good=lasted == len(runs))
     text = f"laps: net progress at least {slowest:.3f} of what the highest speed allows, wanted {MIN_PROGRESS:g}"
-    figures.check(text, good=slowest >= MIN_PROGRESS)
+    targets.check(text, good=slowest >= MIN_PROGRESS)

@@ -17,7 +17,7 @@ from pathlib import Path
 import bench_ablate
 from testbed.drives import GRAPHNAV
 
-from tests.figures import Figures
+from tests.targets import Targets
 
 DASK = Path(sysconfig.get_path("scripts")) / "dask"
 KILLS = 5
@@ -26,7 +26,7 @@ MIN_EFFICIENCY = 0.85
 STUDY = ("corridor_ccw", "--vary", "plane=plane.ica,plane.affine,plane.truth", "--gallery", "0")
 
 
-def test_kill(figures: Figures, seeds: range, jobs: int, tmp_path: Path) -> None:
+def test_kill(targets: Targets, seeds: range, jobs: int, tmp_path: Path) -> None:
     """Kill a study and all its processes five times at random moments; its results are those of an undisturbed one."""
     begin_s = time.monotonic()
     undisturbed = _finish(tmp_path / "undisturbed", seeds, "-j", str(jobs))
@@ -46,24 +46,24 @@ def test_kill(figures: Figures, seeds: range, jobs: int, tmp_path: Path) -> None
     good = _finish(tmp_path / "killed", seeds, "-j", str(jobs)) == undisturbed
     same = "the same bytes" if good else "other bytes"
     text = f"killed {', '.join(moments)}, then finished: results.csv has {same} as undisturbed ({wall_s:.0f} s)"
-    figures.check(text, good=good)
+    targets.check(text, good=good)
 
 
-def test_parallel(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_parallel(targets: Targets, seeds: range, tmp_path: Path) -> None:
     """A study by one process, by two and by a cluster of two workers has the same results."""
     one = _finish(tmp_path / "one", seeds, "-j", "1")
     two = _finish(tmp_path / "two", seeds, "-j", "2")
     with _cluster(tmp_path) as address:
         cluster = _finish(tmp_path / "cluster", seeds, "--cluster", address)
     text = f"results.csv with -j 1, -j 2, Dask with 2 workers: -j 2 {one == two}, Dask {one == cluster}"
-    figures.check(text, good=one == two == cluster)
+    targets.check(text, good=one == two == cluster)
 
 
-def test_parallel_efficiency(figures: Figures) -> None:
+def test_parallel_efficiency(targets: Targets) -> None:
     found = bench_ablate.measure()
     text = f"parallel efficiency on 2 cores {found['efficiency']:.2f}, at least {MIN_EFFICIENCY}: "
     text += f"{found['-j 1, s']:.1f} s with one process, {found['-j 2, s']:.1f} s with two"
-    figures.check(text, good=found["efficiency"] >= MIN_EFFICIENCY)
+    targets.check(text, good=found["efficiency"] >= MIN_EFFICIENCY)
 
 
 def _start(folder: Path, seeds: Sequence[int], *words: str) -> subprocess.Popen[bytes]:

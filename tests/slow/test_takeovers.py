@@ -15,7 +15,7 @@ from testbed.rig import Rig
 
 from graphnav import GuardState, Recording
 from graphnav.core.record import LOG
-from tests.figures import Figures
+from tests.targets import Targets
 
 NUMBER = 219
 TAKEOVERS = 20
@@ -59,7 +59,7 @@ class TwoCameras:
             self._source.handle_timeout(50)
 
 
-def test_takeovers(figures: Figures, seeds: range, tmp_path: Path) -> None:
+def test_takeovers(targets: Targets, seeds: range, tmp_path: Path) -> None:
     """Turn off the camera that is used, 20 times; print the stops and the times."""
     with (
         Rig(tmp_path, NUMBER, seeds[0], ("--set", "robot.ends=false"), MAX_DRIVE_S) as rig,
@@ -80,7 +80,7 @@ def test_takeovers(figures: Figures, seeds: range, tmp_path: Path) -> None:
     rejected = dict(zip(camera["reasons"], camera["rejected"], strict=True))
     beside, stops, driving_s = zip(*found, strict=True)
     is_right = set(beside) == {0} and set(stops) == {1} and faults == TAKEOVERS and summary["outcome"] == "stopped"
-    figures.check(
+    targets.check(
         f"{len(found)} takeovers: stops beside a second camera {sum(beside)}, in each takeover {min(stops)} to "
         f"{max(stops)}, faults {faults}; the robot drives on {min(driving_s):.2f} to {max(driving_s):.2f} s after the "
         f"last picture; rejected {rejected}",

@@ -17,7 +17,7 @@ from testbed.drives import GRAPHNAV, drive
 from testbed.processes import await_file, end, group_url
 
 from graphnav.core.machine.jdk import find_jdk
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .display import display
 
@@ -29,7 +29,7 @@ _PATIENCE_S = 60.0
 
 
 def test_exchange_lcm_spy_shows_our_channels(
-    figures: Figures, seeds: range, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+    targets: Targets, seeds: range, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     """Start ``graphnav lcm-spy`` while a log is played: how many types it finds, and two screenshots to look at."""
     missing = [program for program in _NEEDS if shutil.which(program) is None]
@@ -53,7 +53,7 @@ def test_exchange_lcm_spy_shows_our_channels(
         end(player)
     n_definitions = len([*(Path(__file__).resolve().parents[2] / "lcmtypes").glob("*.lcm")])
     text = f"lcm-spy found {found} types, {n_definitions} ship; look at {table} and {fields}"
-    figures.check(text, good=found >= n_definitions)
+    targets.check(text, good=found >= n_definitions)
 
 
 @contextmanager

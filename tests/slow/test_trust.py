@@ -23,7 +23,7 @@ from testbed.processes import group_url
 
 from graphnav.core.cli import commands
 from graphnav.core.record import LOG, Recording
-from tests.figures import Figures
+from tests.targets import Targets
 
 PLUGIN = """
 import numpy as np
@@ -215,7 +215,7 @@ def planted(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Planted]:
 
 
 @pytest.mark.parametrize(("scene", "command"), [(scene, command) for scene in SCENES for command in words_of(scene)])
-def test_trust(figures: Figures, planted: Planted, scene: str, command: str) -> None:
+def test_trust(targets: Targets, planted: Planted, scene: str, command: str) -> None:
     """Start a command on a scene, without consent: only what the user names runs."""
     words = words_of(scene)[command]
     start = [sys.executable, "-c", OPEN_LOG, *words[1:]] if command == "open_log" else [str(GRAPHNAV), *words]
@@ -229,7 +229,7 @@ def test_trust(figures: Figures, planted: Planted, scene: str, command: str) -> 
         fine &= LEAVES_OUT in said
         effect += ", says what is not made again" if LEAVES_OUT in said else ", SAYS NOTHING"
     text = f"{scene}: {' '.join(words)}: {effect}{', as the user says' if may else ''}; {status}"
-    figures.check(text, good=fine)
+    targets.check(text, good=fine)
 
 
 def test_trust_tries_every_command() -> None:

@@ -11,7 +11,7 @@ from testbed.drives import drive
 from graphnav import Recording
 from graphnav.arrays import Doubles
 from graphnav.core.messages import Truth
-from tests.figures import Figures
+from tests.targets import Targets
 
 from .conftest import DriveAll
 
@@ -22,15 +22,15 @@ MIN_VIEW_S = 2.0
 MIN_WAY = 0.9
 
 
-def test_unknown_cells_stop_or_turn_the_robot(figures: Figures, drive_all: DriveAll, seeds: range) -> None:
+def test_unknown_cells_stop_or_turn_the_robot(targets: Targets, drive_all: DriveAll, seeds: range) -> None:
     drives = drive_all(GRAPH, seeds, ())
     stopped = drives.ended("timeout")
     clearance_m = min(summary["scores"]["drive"]["min_clearance_m"] for summary in drives.summaries)
     text = f"{GRAPH}: stops or turns in {stopped} of {len(seeds)}, all of them; min clearance {clearance_m:.3f} m"
-    figures.check(f"{text}; {drives.outcomes()}", good=stopped == len(seeds))
+    targets.check(f"{text}; {drives.outcomes()}", good=stopped == len(seeds))
 
 
-def test_ignored_unknown_cells_let_it_hit_the_wall(figures: Figures, seeds: range, jobs: int, tmp_path: Path) -> None:
+def test_ignored_unknown_cells_let_it_hit_the_wall(targets: Targets, seeds: range, jobs: int, tmp_path: Path) -> None:
     """Without the policy the robot hits the wall, which is in view for 2 s and more before."""
     with ThreadPoolExecutor(jobs) as pool:
         seen_s = np.array(list(pool.map(lambda seed: _from_sight_to_contact_s(seed, tmp_path / f"{seed}"), seeds)))
@@ -38,7 +38,7 @@ def test_ignored_unknown_cells_let_it_hit_the_wall(figures: Figures, seeds: rang
     shortest_s = float(np.nanmin(seen_s)) if hits else float("nan")
     text = f"{GRAPH}, policy off: hits the wall in {hits} of {len(seeds)}, all of them"
     text += f"; it is in view for {shortest_s:.1f} s and more before, at least {MIN_VIEW_S:g} s"
-    figures.check(text, good=hits == len(seeds) and shortest_s >= MIN_VIEW_S)
+    targets.check(text, good=hits == len(seeds) and shortest_s >= MIN_VIEW_S)
 
 
 def _from_sight_to_contact_s(seed: int, folder: Path) -> float:
@@ -53,11 +53,11 @@ def _from_sight_to_contact_s(seed: int, folder: Path) -> float:
     return (views[-1][0] - first) * 1e-6
 
 
-def test_unknown_cells_of_an_empty_floor_cost_little_way(figures: Figures, drive_all: DriveAll, seeds: range) -> None:
+def test_unknown_cells_of_an_empty_floor_cost_little_way(targets: Targets, drive_all: DriveAll, seeds: range) -> None:
     on_m, off_m = (_paths_m(drive_all, seeds, (*EMPTY, *sets)) for sets in ((), OFF))
     shares = on_m / off_m
     text = f"empty floor: {shares.min():.3f} of the way without the policy and more, mean {shares.mean():.3f}"
-    figures.check(f"{text}; at least {MIN_WAY:g} in every drive", good=bool(shares.min() >= MIN_WAY))
+    targets.check(f"{text}; at least {MIN_WAY:g} in every drive", good=bool(shares.min() >= MIN_WAY))
 
 
 def _paths_m(drive_all: DriveAll, seeds: range, sets: tuple[str, ...]) -> Doubles:

@@ -34,7 +34,10 @@ def test_a_failed_drive_has_no_success_and_no_length() -> None:
 def test_the_core_knows_no_metric_by_name() -> None:
     """But those of version 0.1.0, which did not declare them; a count of frames and the outcomes are every run's."""
     names = {metric.name for metric in METRICS} - {"frames", *Outcome}
-    folders = (Path(graphnav.__file__).parent / name for name in ("ablation", "report", "runner", "stage"))
+    folders = (
+        Path(graphnav.__file__).parent / name
+        for name in ("studies/ablation", "core/report", "core/runner", "core/stage")
+    )
     known = {
         (path.name, node.value)
         for folder in folders

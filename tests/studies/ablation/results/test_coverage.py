@@ -10,7 +10,7 @@ import pytest
 
 from graphnav.arrays import Doubles
 from graphnav.studies.ablation.results import ALPHA, difference_interval, p_value, student
-from tests.figures import Figures
+from tests.targets import Targets
 
 STUDIES, SHORT = 20_000, 2000
 """Simulated studies of a cell."""
@@ -89,17 +89,17 @@ def test_intervals_of_single_skewed_means_are_short() -> None:
 
 
 @pytest.mark.slow
-def test_coverage(figures: Figures) -> None:
+def test_coverage(targets: Targets) -> None:
     """Intervals and tests reject no more true nulls than they promise."""
-    figures.say(f"rejected of {STUDIES} studies without a difference, by the interval and by the test, at n = {WORLDS}")
+    targets.say(f"rejected of {STUDIES} studies without a difference, by the interval and by the test, at n = {WORLDS}")
     for place, null in enumerate(NULLS):
         found = [rejected(null, n, STUDIES, (SEED, place, n)) for n in WORLDS]
         cells = "   ".join(f"{100 * interval:4.1f} {100 * test:4.1f}" for interval, test in found)
-        figures.check(f"{null.name:14} {cells} %", good=all(is_accepted(null, *both) for both in found))
-    figures.say("means of a single metric that are covered by their t interval")
+        targets.check(f"{null.name:14} {cells} %", good=all(is_accepted(null, *both) for both in found))
+    targets.say("means of a single metric that are covered by their t interval")
     for place, (name, (draw, mean)) in enumerate(MEANS.items()):
         shares = [covered(draw, mean, n, STUDIES, (SEED, 100 + place, n)) for n in WORLDS]
-        figures.say(f"{name:14} {'   '.join(f'{100 * share:4.1f}' for share in shares)} %")
+        targets.say(f"{name:14} {'   '.join(f'{100 * share:4.1f}' for share in shares)} %")
 
 
 def rejected(null: Null, n_worlds: int, n_studies: int, seed: tuple[int, ...]) -> tuple[float, float]:

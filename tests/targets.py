@@ -1,11 +1,11 @@
-"""Figures that slow tests print beside their targets."""
+"""Printer of what slow tests measure, beside its targets."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 
-class Figures:
+class Targets:
     """Prints what a test measures as soon as it is known; a figure that misses its target fails the test at its end."""
 
     def __init__(self, show: Callable[[str], None]) -> None:
