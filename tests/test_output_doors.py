@@ -19,7 +19,7 @@ DOORS = {
     "graphnav/core/machine/escaped_output.py": "the streams that escape",
     "graphnav/core/notices.py": "escapes what it prints",
     "graphnav/core/render/html_templates.py": "escapes what templates show",
-    "graphnav/studies/ablation/worker/serve_tasks.py": "prints tracebacks to the streams that escape",
+    "graphnav/studies/ablation/worker/__main__.py": "prints tracebacks to the streams that escape",
     "graphnav/core/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
     "graphnav/core/interrupts/third_party.py": "restores the streams that a plugin has replaced",
     "graphnav/core/runner/stage_calls.py": "restores the streams that a stage has replaced",

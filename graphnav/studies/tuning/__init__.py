@@ -1,13 +1,11 @@
 """Tune the parameters of rivals with the same budget: the same number of trials, in the same worlds."""
 
-from graphnav.studies.tuning.request import TuningRequest
 from graphnav.studies.tuning.rivals import Rival
 from graphnav.studies.tuning.search_range import SearchRange, parse_searches
 from graphnav.studies.tuning.trial import Trial
-from graphnav.studies.tuning.tuned_files import TABLE, TRIALS, TUNING, begin_tuning, write_tuning
-from graphnav.studies.tuning.tuned_study import STUDY
+from graphnav.studies.tuning.tuned_files import STUDY, TABLE, TRIALS, TUNING, begin_tuning, write_tuning
 from graphnav.studies.tuning.tuned_table import OPTIMISTIC, conclusion, header, rows, trouble_texts
-from graphnav.studies.tuning.tuning import Tuning, check_tuning, named_after
+from graphnav.studies.tuning.tuning import Tuning, TuningRequest, check_tuning, named_after
 from graphnav.studies.tuning.tuning_run import TuningRun, run_tuning
 
 __all__ = [

@@ -11,8 +11,7 @@ from graphnav.core.graph import Graph, Node, Override
 from graphnav.core.stage import Param, params_of
 from graphnav.studies.ablation.plan import CheckedStudy
 from graphnav.studies.ablation.study import Study
-from graphnav.studies.tuning.fit_range import fitted
-from graphnav.studies.tuning.search_range import SearchRange, parts_of, range_of
+from graphnav.studies.tuning.search_range import SearchRange, fitted, parts_of, range_of
 
 _NUMBERS = (int, float)
 

@@ -1,15 +1,15 @@
-"""The values that a parameter may take in a trial."""
+"""The range in which a parameter is searched, and its fit to the type and bounds of the parameter."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-from graphnav.core.errors import Place, Problem, UserError
+from graphnav.core.errors import ParamError, Place, Problem, UserError
 from graphnav.core.graph import Target, parse_value
 from graphnav.core.stage import Param
 
@@ -179,3 +179,26 @@ def _number(number: float) -> str:
 
 def _shown(choice: Choice) -> str:
     return str(choice).lower() if isinstance(choice, bool) else str(choice)
+
+
+def fitted(searched: SearchRange, param: Param) -> SearchRange:
+    """Return a range with the type of its parameter: ``1:4`` of a float has all numbers from 1 to 4.
+
+    Raises
+    ------
+    UserError
+        An end or a choice that the parameter may not have: every trial of it would be refused.
+    """
+    place = Place(f"--search {searched.text}")
+    problems = []
+    for value in searched.choices or (searched.low, searched.high):
+        try:
+            param.parse(value)
+        except ParamError as error:
+            bounds = f", {param.bounds_text}" if param.bounds_text else ""
+            problems.append(Problem(place, error.what, error.hint or f"'{param.name}' is {param.type_text}{bounds}"))
+    if problems:
+        raise UserError(problems)
+    if searched.kind == "choice":
+        return searched
+    return replace(searched, kind="integer" if plain_type(param.type) is int else "number")

@@ -10,7 +10,7 @@ from graphnav.core.graph import parse_override
 from graphnav.core.stage import Better, Metric
 from graphnav.studies.ablation.plan.plan import Case, Plan
 from graphnav.studies.ablation.results.records import Record, StageTime
-from graphnav.studies.ablation.study.metric_expression import MetricExpression
+from graphnav.studies.ablation.study.study import MetricExpression
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

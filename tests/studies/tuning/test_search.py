@@ -10,7 +10,7 @@ import pytest
 import graphnav
 from graphnav import UserError
 from graphnav.studies.tuning import Trial, parse_searches
-from graphnav.studies.tuning.sampler import propose
+from graphnav.studies.tuning.tuning_run import propose
 
 from .conftest import GRAPH
 

@@ -1,11 +1,14 @@
 """Make the runs of a plan in parallel and keep them in the folder of the study."""
 
-from graphnav.studies.ablation.execution.execute_jobs import execute, pending_jobs
-from graphnav.studies.ablation.execution.failure_pictures import draw_failures, pending_drawings
+from graphnav.studies.ablation.execution.execute_jobs import (
+    TaskFactory,
+    draw_failures,
+    execute,
+    pending_drawings,
+    pending_jobs,
+)
 from graphnav.studies.ablation.execution.local_processes import local_workers
-from graphnav.studies.ablation.execution.locked_folder import LockedFolder
-from graphnav.studies.ablation.execution.study_folder import StudyFolder, read_plan
-from graphnav.studies.ablation.execution.task_factory import TaskFactory
+from graphnav.studies.ablation.execution.study_folder import LockedFolder, StudyFolder, read_plan
 from graphnav.studies.ablation.execution.time_estimate import TimeEstimate, estimate_time
 from graphnav.studies.ablation.execution.workers import Workers, cluster_workers
 

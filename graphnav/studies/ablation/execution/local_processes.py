@@ -1,20 +1,109 @@
-"""Make runs in parallel by processes of this machine."""
+"""Make runs in parallel by processes of this machine: started when needed, fed ahead, reused, ended together."""
 
 from __future__ import annotations
 
+import contextlib
+import os
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from contextlib import contextmanager
-from multiprocessing.connection import wait
+from itertools import groupby
+from multiprocessing.connection import Pipe, wait
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import gettempdir, mkdtemp
 
 from graphnav.core.errors import GraphnavError
-from graphnav.studies.ablation.execution.crashed_run import died_result
-from graphnav.studies.ablation.execution.task_queue import TaskQueue
-from graphnav.studies.ablation.execution.worker_process import WorkerProcess
-from graphnav.studies.ablation.worker import Result, Task
+from graphnav.core.machine.single_thread import ONE_THREAD
+from graphnav.core.runner.recording.progress_file import last_call
+from graphnav.studies.ablation import worker
+from graphnav.studies.ablation.worker import IDLE_S, Result, Task
+
+RUNS_IN_A_ROW = 4
+"""Runs through one world that a process makes one after another: more would save little, and let a few variants of an
+interrupted study be far ahead of the others."""
+
+
+class TaskQueue:
+    """Hands out tasks in their order, several through one world to one process, until few are left."""
+
+    def __init__(self, tasks: Iterable[Task]) -> None:
+        worlds = (list(group) for _, group in groupby(tasks, key=_world))
+        self._groups = deque(
+            deque(world[first : first + RUNS_IN_A_ROW])
+            for world in worlds
+            for first in range(0, len(world), RUNS_IN_A_ROW)
+        )
+        self._taken: dict[Hashable, deque[Task]] = {}
+
+    def __len__(self) -> int:
+        """Return the number of pending tasks."""
+        return sum(map(len, (*self._groups, *self._taken.values())))
+
+    def take(self, taker: Hashable) -> Task | None:
+        """Return the next task of a process: of its world, of the next one, or what another has not begun."""
+        own = self._taken.get(taker)
+        if not own and self._groups:
+            own = self._taken[taker] = self._groups.popleft()
+        if not own:
+            own = max(self._taken.values(), key=len, default=None)
+        return own.popleft() if own else None
+
+    def put_back(self, tasks: Iterable[Task]) -> None:
+        """Add tasks that were not begun, as the next ones."""
+        self._groups.extendleft(deque([task]) for task in tasks)
+
+
+def _world(task: Task) -> Hashable:
+    """Return what the runs through one world have in common."""
+    return task.graph_path, task.seed
+
+
+class WorkerProcess:
+    """The process as its parent sees it. It ends when told, when idle, and with its parent, however that ends."""
+
+    def __init__(self) -> None:
+        self.connection, theirs = Pipe()
+        command = [sys.executable, "-P", "-m", worker.__name__, str(theirs.fileno())]
+        old = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is the parent's to answer
+        try:
+            self._process = subprocess.Popen(  # noqa: S603 - it is this program
+                command, env=os.environ | ONE_THREAD, stdin=subprocess.DEVNULL, stdout=2, pass_fds=[theirs.fileno()]
+            )
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, old)
+            theirs.close()
+        self._used_s = time.monotonic()
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether it surely still waits for work."""
+        return self._process.poll() is None and time.monotonic() - self._used_s < IDLE_S / 2
+
+    def send(self, task: Task, scratch: str) -> None:
+        """Give it a run to make after those that it has; if it has died, `receive` notices."""
+        with contextlib.suppress(OSError):
+            self.connection.send((task, scratch))
+
+    def receive(self) -> Result | None:
+        """Wait for the result of the first run that it has; None if the process did not survive it."""
+        try:
+            result: Result = self.connection.recv()
+        except (EOFError, OSError):
+            return None
+        self._used_s = time.monotonic()
+        return result
+
+    def kill(self) -> None:
+        """End it at once."""
+        self._process.kill()
+        self._process.wait()
+        self.connection.close()
+
 
 _Begun = deque[tuple[Task, str]]
 """The tasks of a process, the one that it makes first, each with the folder in which it is made."""
@@ -23,12 +112,18 @@ _AHEAD = 2
 """Tasks of a process: the one that it makes, and the next one, so that it need not wait while results are kept."""
 
 
+def _died_result(task: Task, scratch: Path) -> Result:
+    """Return the result of a run whose process died; ``scratch`` is the folder in which it was made."""
+    call = last_call(scratch)
+    return Result(task, {}, died=True, last_call=str(call) if call is not None else "")
+
+
 class LocalWorkers:
     """Processes of this machine, started when needed and reused; they make runs in folders below ``scratch``."""
 
-    def __init__(self, jobs: int, scratch: Path) -> None:
+    def __init__(self, jobs: int, scratch: Path | None = None) -> None:
         self.at_once = jobs
-        self._scratch = scratch
+        self._scratch = scratch or Path(gettempdir())
         self._processes: list[WorkerProcess] = []
 
     def perform_all(self, tasks: Iterable[Task], *, one_at_a_time: bool = False) -> Iterator[Result]:
@@ -85,7 +180,7 @@ class LocalWorkers:
             self._processes.append(process)
             begun[process] = deque()
         self._feed(process, queue, begun)
-        result = result or died_result(task, Path(folder))
+        result = result or _died_result(task, Path(folder))
         shutil.rmtree(folder, ignore_errors=True)
         return result
 

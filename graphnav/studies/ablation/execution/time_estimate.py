@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.summary import SUMMARY
-from graphnav.studies.ablation.execution.task_factory import TaskFactory
+from graphnav.studies.ablation.execution.execute_jobs import TaskFactory
 from graphnav.studies.ablation.execution.workers import Workers
 from graphnav.studies.ablation.plan import Job
 from graphnav.studies.ablation.results import Record

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import logging
 import socket
+import threading
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
-from functools import lru_cache
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
 from graphnav.core.errors import GraphnavError, UserError
 from graphnav.core.interrupts import ctrl_c_later
 from graphnav.core.machine.extras import install_command
-from graphnav.studies.ablation.execution.process_pool import ProcessPool
+from graphnav.studies.ablation.execution.local_processes import LocalWorkers
 from graphnav.studies.ablation.worker import Result, Task
 
 _PATIENCE_S = 5
@@ -97,10 +97,14 @@ def _knock(address: str) -> None:
 
 
 def _perform_here(task: Task) -> Result:
-    return _pool().perform(task)
+    """Make a run in the process of this thread of a cluster's worker; it ends with the worker, or when idle."""
+    if not hasattr(_OF_THREAD, "workers"):
+        _OF_THREAD.workers = LocalWorkers(1)
+    try:
+        [result] = _OF_THREAD.workers.perform_all([task])
+    except GraphnavError as error:
+        return Result(task, {}, error=str(error))
+    return result  # type: ignore[no-any-return]
 
 
-@lru_cache(maxsize=1)
-def _pool() -> ProcessPool:
-    """Return the processes that belong to this worker of a cluster; they end with it, or when idle."""
-    return ProcessPool()
+_OF_THREAD = threading.local()

@@ -1,8 +1,11 @@
-"""Check a study before anything runs: its plan, and the graph of every case."""
+"""Check a study before anything runs, and return its plan."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,16 +13,74 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import UserError
 from graphnav.core.graph import Graph, resolved_yaml
 from graphnav.core.runner.recording.summary import versions
-from graphnav.studies.ablation.plan.case_problems import CaseProblems
-from graphnav.studies.ablation.plan.checked_cases import CheckedCase, check_cases, stage_classes
-from graphnav.studies.ablation.plan.folder_names import folder_names
-from graphnav.studies.ablation.plan.metric_checks import checked_metrics, declared_metrics
+from graphnav.core.stage import Role
+from graphnav.studies.ablation.plan.checked_cases import CaseProblems, CheckedCase, check_cases, stage_classes
 from graphnav.studies.ablation.plan.plan import RUNS, Case, Plan
-from graphnav.studies.ablation.plan.study_problems import study_problems
-from graphnav.studies.ablation.plan.upstream import driving_stages
-from graphnav.studies.ablation.plan.variant_roles import variant_roles
+from graphnav.studies.ablation.plan.study_problems import checked_metrics, declared_metrics, study_problems
+from graphnav.studies.ablation.plan.upstream import driving_stages, measured_stages
 from graphnav.studies.ablation.plan.variants import Variant, expand
-from graphnav.studies.ablation.study import Study
+from graphnav.studies.ablation.study import MetricExpression, Study
+
+_LONGEST = 100
+_OTHER = re.compile(r"[^A-Za-z0-9._+=-]+")
+
+
+def folder_names(texts: Iterable[str], called: Callable[[str], str] = str) -> dict[str, str]:
+    """Return a folder name for each string: portable characters, unique even where letter case is ignored.
+
+    A name is made of the label that ``called`` returns for the string. Where strings would share a name, or it had to
+    be shortened, it ends in a hash of the string.
+    """
+    found = {text: _slug(called(text)) for text in texts}
+    times = Counter(name.casefold() for name in found.values())
+    return {
+        text: name if name and times[name.casefold()] == 1 and len(name) <= _LONGEST else _hashed(text, name)
+        for text, name in found.items()
+    }
+
+
+def _slug(text: str) -> str:
+    return _OTHER.sub("_", text.replace(" + ", "+").replace("/", "_")).strip("._-")
+
+
+def _hashed(text: str, name: str) -> str:
+    return f"{name[:_LONGEST].rstrip('._-')}-{hashlib.sha256(text.encode()).hexdigest()[:8]}".lstrip("-")
+
+
+_ROLES: tuple[Role, ...] = ("oracle", "baseline")
+"""The most special one first."""
+
+
+def variant_roles(cases: Sequence[CheckedCase], columns: Sequence[str]) -> list[Role]:
+    """Return the role of every case; ``columns``: the study's metrics, the one that decides first, or none for all.
+
+    A variant is an oracle if an oracle is among the stages that its first metric measures: for a score of the drive all
+    that commands the robot, for a score of another stage what this is made from, up to the sources. Where that is the
+    same in all variants of a graph, as the drive of a graph that compares detectors on it, it does not count. Stages
+    that the variant's axes put in count wherever they are, also as baselines.
+    """
+    roles: list[Role] = []
+    measured = [_measured(case.graph, columns) for case in cases]
+    different: dict[str, set[object]] = {}
+    for case, stages in zip(cases, measured, strict=True):
+        different.setdefault(case.name, set()).add(case.identity_of(stages))
+    for case, stages in zip(cases, measured, strict=True):
+        is_varied = len(different[case.name]) > 1
+        oracles = {role for role in case.roles_of(stages) if role == "oracle"} if is_varied else set()
+        found = case.roles_of(case.swapped) | oracles
+        roles.append(next((role for role in _ROLES if role in found), "method"))
+    return roles
+
+
+def _measured(graph: Graph, columns: Sequence[str]) -> frozenset[str]:
+    """Return the stages that the first metric measures of those that the graph has."""
+    names = {node.name for node in graph.nodes}
+    for column in columns:
+        scores = [operand.partition(".")[0] for operand in MetricExpression.parse(column).operands]
+        if names.issuperset(scores):
+            return frozenset(stage for score in scores for stage in measured_stages(graph, score))
+    scores = [name for name in graph.metrics if graph.node(name).stage_class.role == "score"]
+    return measured_stages(graph, scores[0]) if scores and not columns else frozenset()
 
 
 @dataclass(frozen=True)

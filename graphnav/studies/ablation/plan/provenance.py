@@ -1,20 +1,23 @@
-"""Record what results depend on besides the graph: versions, and hashes of the code of plugins."""
+"""What runs depend on beside their graph, and whether two plans have the same."""
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from graphnav.core.catalog import GROUP
+from graphnav.core.errors import UserError
 from graphnav.core.machine.instruction_set import PORTABLE, expected_instruction_set
 from graphnav.core.machine.pins import OPT_OUT
 from graphnav.core.runner.recording.summary import INSTRUCTION_SET, versions
-from graphnav.studies.ablation.plan.plan import Plan
+from graphnav.core.spec import parse_yaml
+from graphnav.studies.ablation.plan.plan import Case, Plan
 
 CODE = "code of "
 _HASH_LETTERS = 12
@@ -88,3 +91,84 @@ def _hash(files: Iterable[Path]) -> str:
         except OSError as error:
             return str(error.strerror)
     return found.hexdigest()[:_HASH_LETTERS]
+
+
+def check_compatible(old: Plan, new: Plan, folder: Path) -> None:
+    """Let seeds and metrics grow and shrink, and variants be added; refuse everything that changes what a run is.
+
+    Raises
+    ------
+    UserError
+        The study in ``folder`` is another one, or its runs were made from other graphs, plugins or versions.
+    """
+    hint = f"choose another folder with -o, or remove {folder}"
+    if old.name != new.name:
+        raise UserError.of(f"{folder} holds the study '{old.name}', not '{new.name}'", hint)
+    cases = {(case.graph, case.variant): case for case in new.cases}
+    for case in old.cases:
+        now = cases.get((case.graph, case.variant))
+        if now is None:
+            what = f"{folder} holds another study of this name: it has {case.graph} with {case.variant}"
+            raise UserError.of(what, hint)
+        if change := _change_of(case, now):
+            what = f"{case.graph} with {case.variant} has changed since its runs in {folder} were made"
+            raise UserError.of(f"{what}: {change}", hint)
+    if old.base != new.base:
+        raise UserError.of(f"{folder} holds a study whose base is {old.base}, not {new.base}", hint)
+    if other := difference(old.versions, new.versions):
+        raise UserError.of(f"the runs in {folder} were made with {other}", other.hint or hint)
+
+
+def _change_of(old: Case, new: Case) -> str:
+    """Return what differs between the graphs of a case, empty if nothing does."""
+    if old.graph_yaml != new.graph_yaml:
+        lines = difflib.ndiff(old.graph_yaml.splitlines(), new.graph_yaml.splitlines())
+        changed = [line for line in lines if line[0] in "+-"]
+        was, now = (next((line[2:].strip() for line in changed if line[0] == sign), "nothing") for sign in "-+")
+        return f"'{was}' was, '{now}' is"
+    if old.folder != new.folder:
+        return f"they were to be in {old.folder}, now in {new.folder}"
+    return ""
+
+
+def shows_same_drive(plan_a: Plan, case_a: Case, plan_b: Plan, case_b: Case) -> bool:
+    """Return whether two plans show that a case meets the same frames in both.
+
+    What drives and the sources have to be the same stages with the same parameters, wires and hashes of their code,
+    the run has to end at the same time, and all versions have to be the same: everything but the code of other stages.
+    """
+    if not (case_a.graph_yaml and case_b.graph_yaml):
+        return False
+    (drive_a, uses_a), (drive_b, uses_b) = _drive(case_a), _drive(case_b)
+    families = {use.partition(".")[0] for use in (*uses_a, *uses_b)}
+    return drive_a == drive_b and _versions(plan_a, families) == _versions(plan_b, families) != {}
+
+
+def _drive(case: Case) -> tuple[Any, list[str]]:
+    """Return what makes the frames of a resolved graph, and what its stages use."""
+    value, _ = parse_yaml(case.graph_yaml.encode(), "graph.yaml")
+    graph = value.plain()
+    stages: Mapping[str, Any] = graph["stages"]
+    sources = [name for name, stage in stages.items() if not stage.get("in")]
+    found = {name: stages[name] for name in _upstream(stages, [*case.driving, *sources])}
+    return (found, graph["run"].get("until_s"), graph.get("queues")), [stage["use"] for stage in found.values()]
+
+
+def _upstream(stages: Mapping[str, Any], starts: Iterable[str]) -> set[str]:
+    """Return stages and all that they read, directly or not."""
+    found: set[str] = set()
+    pending = list(starts)
+    while pending:
+        name = pending.pop()
+        if name not in found and name in stages:
+            found.add(name)
+            pending += [str(wire).partition(".")[0] for wire in (stages[name].get("in") or {}).values()]
+    return found
+
+
+def _versions(plan: Plan, families: Iterable[str]) -> dict[str, str]:
+    """Return all versions that frames depend on; none where the code of a family is not known."""
+    code = {f"{CODE}{family}": plan.versions.get(f"{CODE}{family}", "") for family in families}
+    if not plan.plugins and not all(code.values()):
+        return {}
+    return {name: version for name, version in plan.versions.items() if not name.startswith(CODE)} | code

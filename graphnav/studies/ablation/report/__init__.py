@@ -9,12 +9,19 @@ from graphnav.studies.ablation.report.csv_files import (
     write_results,
     write_timing,
 )
-from graphnav.studies.ablation.report.decomposition_chart import PICTURE, decomposition_picture
-from graphnav.studies.ablation.report.decomposition_text import sentences
+from graphnav.studies.ablation.report.decomposition import PICTURE, decomposition_picture, sentences
 from graphnav.studies.ablation.report.html import write_report
-from graphnav.studies.ablation.report.markdown import TABLE, bullets, code, document, escaped, table, table_markdown
+from graphnav.studies.ablation.report.markdown import (
+    TABLE,
+    bullets,
+    code,
+    document,
+    escaped,
+    paired_studies_markdown,
+    table,
+    table_markdown,
+)
 from graphnav.studies.ablation.report.number_format import difference_text
-from graphnav.studies.ablation.report.paired_markdown import paired_studies_markdown
 from graphnav.studies.ablation.report.terminal import print_comparison, print_contrasts, print_paired_studies
 
 __all__ = [

@@ -20,9 +20,8 @@ from graphnav.studies.ablation.report.legend import (
     too_few_worlds,
     worlds_text,
 )
-from graphnav.studies.ablation.report.markdown import ARROWS
+from graphnav.studies.ablation.report.markdown import ARROWS, different_versions, only_in_one
 from graphnav.studies.ablation.report.number_format import difference_text, estimate_text
-from graphnav.studies.ablation.report.paired_markdown import different_versions, only_in_one
 from graphnav.studies.ablation.results import (
     Comparison,
     Contrast,

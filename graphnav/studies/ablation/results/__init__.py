@@ -1,8 +1,15 @@
 """The results of a study: records, intervals, comparisons."""
 
-from graphnav.studies.ablation.results.compare_pairs import AllPairs, Contrast, Pair, all_pairs, contrasts
-from graphnav.studies.ablation.results.compare_studies import pair_studies
-from graphnav.studies.ablation.results.compare_variants import compare
+from graphnav.studies.ablation.results.compare_studies import PairedRow, PairedStudies, pair_studies
+from graphnav.studies.ablation.results.compare_variants import (
+    AllPairs,
+    Contrast,
+    Pair,
+    all_pairs,
+    compare,
+    contrasts,
+    parse_pairs,
+)
 from graphnav.studies.ablation.results.comparison import Comparison, Difference, Estimate, Row, matters
 from graphnav.studies.ablation.results.decomposed import Losses, Swap, losses
 from graphnav.studies.ablation.results.fail_condition import (
@@ -12,19 +19,16 @@ from graphnav.studies.ablation.results.fail_condition import (
     failed_cases,
     parse_fail_conditions,
 )
-from graphnav.studies.ablation.results.failures import failed_run_text, failure_folder, is_failure, worst_failures
-from graphnav.studies.ablation.results.metric_values import (
-    Values,
-    metric_columns,
-    paired_differences,
-    scaled_values,
-    shown_metrics,
-    table_metrics,
-    values_of,
+from graphnav.studies.ablation.results.records import (
+    Record,
+    failed_run_text,
+    failure_folder,
+    in_plan_order,
+    is_failure,
+    read_record,
+    read_records,
+    worst_failures,
 )
-from graphnav.studies.ablation.results.pair_text import parse_pairs
-from graphnav.studies.ablation.results.paired_studies import PairedRow, PairedStudies
-from graphnav.studies.ablation.results.records import Record, in_plan_order, read_record, read_records
 from graphnav.studies.ablation.results.sample_size import sample_size_texts
 from graphnav.studies.ablation.results.statistics import (
     ALPHA,
@@ -38,6 +42,15 @@ from graphnav.studies.ablation.results.statistics import (
     p_value,
     student,
     wilson,
+)
+from graphnav.studies.ablation.results.study_values import (
+    Values,
+    metric_columns,
+    paired_differences,
+    scaled_values,
+    shown_metrics,
+    table_metrics,
+    values_of,
 )
 
 __all__ = [

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from graphnav.core.stage import Better
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.results.comparison import Difference, Estimate
-from graphnav.studies.ablation.results.metric_values import Values, is_binary, values_of
 from graphnav.studies.ablation.results.records import Record, are_cut_off
-from graphnav.studies.ablation.results.study_values import difference, estimate
+from graphnav.studies.ablation.results.study_values import Values, difference, estimate, is_binary, values_of
 from graphnav.studies.ablation.study import MetricExpression
 from graphnav.studies.ablation.study.study import BASE, COMMON, CONDITION
 

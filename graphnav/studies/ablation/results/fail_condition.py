@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from graphnav.core.errors import Hint, Place, Problem, UserError, did_you_mean
+from graphnav.studies.ablation.results.compare_studies import PairedStudies
 from graphnav.studies.ablation.results.comparison import Difference
-from graphnav.studies.ablation.results.paired_studies import PairedStudies
 from graphnav.studies.ablation.study import MetricExpression
 
 HINT = 'write "drive.success < -0.05", or "high(drive.success) < 0" for the upper end of the interval'

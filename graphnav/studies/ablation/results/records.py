@@ -1,20 +1,77 @@
-"""The results of a study: one record a run, read from the summaries."""
+"""One record for each run, with the metrics that are relative to another run; which failures are drawn."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from graphnav.core.errors import Problem, UserError, shown_path
 from graphnav.core.machine.regular_file import read_json
+from graphnav.core.run_folder import LOG
 from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.summary import SUMMARY
 from graphnav.core.stage import Metric, former_names
-from graphnav.studies.ablation.plan import Case, Plan
-from graphnav.studies.ablation.results.relative_metrics import relative_metrics
+from graphnav.studies.ablation.plan import RUNS, Case, Job, Plan
+
+
+class Run(Protocol):
+    """The part of a record that is read here."""
+
+    @property
+    def graph(self) -> str:
+        """The graph, as tables call it."""
+
+    @property
+    def variant(self) -> str:
+        """The variant."""
+
+    @property
+    def seed(self) -> int:
+        """The world."""
+
+    @property
+    def outcome(self) -> str:
+        """How it ended."""
+
+    @property
+    def metrics(self) -> Mapping[str, float]:
+        """By ``stage.metric``."""
+
+
+def relative_metrics(plan: Plan, runs: Sequence[Run]) -> list[Mapping[str, float]]:
+    """Return, for each run, the metrics that are declared as relative to the reference's run in the same world.
+
+    Without a reference no run has any. A world in which the reference has no run, or did not arrive so that its run
+    lacks the metric, has none for any variant.
+    """
+    relative = {name: metric for name, metric in plan.declared.items() if metric.relative_to}
+    references = {(run.graph, run.seed): run for run in runs if plan.reference and run.variant == plan.reference}
+    return [
+        dict(_values(plan, run, reference, relative)) if (reference := references.get((run.graph, run.seed))) else {}
+        for run in runs
+    ]
+
+
+def _values(plan: Plan, run: Run, reference: Run, relative: Mapping[str, Metric]) -> Iterator[tuple[str, float]]:
+    for name, metric in relative.items():
+        stage = name.partition(".")[0]
+        other = f"{stage}.{metric.relative_to}"
+        best = reference.metrics.get(other) if _arrived(plan, reference, stage) else None
+        if best is None or best <= 0:
+            continue
+        if _arrived(plan, run, stage) and (own := run.metrics.get(other)) is not None:
+            yield name, best / max(own, best)
+        elif not isinstance(metric.if_failed, str):
+            yield name, metric.if_failed
+
+
+def _arrived(plan: Plan, run: Run, stage: str) -> bool:
+    """Return whether no stage failed and every outcome that the scoring stage declares is reported and not 0."""
+    outcomes = (name for name, metric in plan.declared.items() if metric.is_outcome and name.startswith(f"{stage}."))
+    return run.outcome != Outcome.FAILED and all(run.metrics.get(name, 0.0) != 0.0 for name in outcomes)
 
 
 @dataclass(frozen=True)
@@ -145,3 +202,57 @@ def _metrics(scores: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
         for metric, value in metrics.items()
         if value is not None and math.isfinite(value)
     }
+
+
+FAILURES = "failures"
+_WORST = (Outcome.CONTACT, Outcome.FAILED, Outcome.TIMEOUT)
+"""A failure that is hard to explain by its summary comes first."""
+_OF_BASELINES = 1
+"""Baselines fail by design: one picture shows how."""
+
+
+def failure_folder(case: Case, seed: int) -> str:
+    """Return where a failure's pictures are, below the study's folder."""
+    return f"{FAILURES}/{case.folder.removeprefix(f'{RUNS}/')}/{seed}"
+
+
+def failed_run_text(record: Record, folder: Path) -> str:
+    """Return the case, the seed and the cause of a run in which a stage failed, and the path of its log.
+
+    A run whose process died has no log; its summary is named.
+    """
+    at = folder / record.folder
+    file = at / LOG if (at / LOG).is_file() else at / SUMMARY
+    return f"failed: {record.graph}, {record.variant}, seed {record.seed}: {record.failure}\n  {shown_path(file)}"
+
+
+def is_failure(plan: Plan, record: Record) -> bool:
+    """Return whether a run failed: it touched something, a stage failed, or its time was up before it arrived.
+
+    The metrics that are outcomes tell whether it arrived. Without one, as on a map without a goal, a run whose time is
+    up is not a failure.
+    """
+    if record.outcome == Outcome.TIMEOUT:
+        return any(plan.metric(name).is_outcome and value == 0.0 for name, value in record.metrics.items())
+    return record.outcome in _WORST
+
+
+def worst_failures(plan: Plan, records: Iterable[Record], each: int) -> list[Job]:
+    """Return up to ``each`` failures of every case: contacts, then failed stages, then timeouts, by seed.
+
+    Runs that left nothing to see, because a stage failed before the first tick, do not count.
+    """
+    failed: dict[tuple[str, str], list[Record]] = {}
+    for record in records:
+        if is_failure(plan, record) and record.frames:
+            failed.setdefault((record.graph, record.variant), []).append(record)
+    chosen = []
+    for case in plan.cases:
+        if case.same_as:
+            continue
+        found = sorted(
+            failed.get((case.graph, case.variant), ()), key=lambda r: (_WORST.index(Outcome(r.outcome)), r.seed)
+        )
+        number = min(each, _OF_BASELINES) if case.role == "baseline" else each
+        chosen += [Job(case, record.seed) for record in found[:number]]
+    return chosen

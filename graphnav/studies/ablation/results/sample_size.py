@@ -11,9 +11,9 @@ import numpy as np
 from graphnav.arrays import Doubles
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.results.comparison import Comparison, Difference
-from graphnav.studies.ablation.results.metric_values import is_binary, paired_differences, values_of
 from graphnav.studies.ablation.results.records import Record, are_cut_off, in_plan_order
 from graphnav.studies.ablation.results.statistics import ALPHA, min_worlds
+from graphnav.studies.ablation.results.study_values import is_binary, paired_differences, values_of
 from graphnav.studies.ablation.study import MetricExpression
 
 POWER = 0.8

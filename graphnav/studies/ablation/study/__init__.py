@@ -1,12 +1,10 @@
 """A study: its file or command line, axes, seeds, metrics."""
 
 from graphnav.studies.ablation.study.command_line import listed, study_of_command
-from graphnav.studies.ablation.study.metric_expression import MetricExpression
-from graphnav.studies.ablation.study.seeds import seeds_words
-from graphnav.studies.ablation.study.study import Axis, Choice, Decomposition, Study
+from graphnav.studies.ablation.study.study import Axis, Choice, Decomposition, MetricExpression, Study
 from graphnav.studies.ablation.study.study_keys import STUDY
 from graphnav.studies.ablation.study.vary import Vary, parse_varies, vary_of
-from graphnav.studies.ablation.study.worlds import parse_worlds
+from graphnav.studies.ablation.study.worlds import parse_worlds, seeds_words
 
 __all__ = [
     "STUDY",

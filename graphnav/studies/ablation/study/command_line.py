@@ -10,12 +10,10 @@ from types import MappingProxyType
 from graphnav.core.errors import Place, Problem, UserError
 from graphnav.core.graph import Override, find_graph
 from graphnav.studies.ablation.study.find_study import classify
-from graphnav.studies.ablation.study.seeds import checked_seeds, parse_seeds
 from graphnav.studies.ablation.study.study import Axis, Study
 from graphnav.studies.ablation.study.study_file import load_study
-from graphnav.studies.ablation.study.varied_axes import varied
-from graphnav.studies.ablation.study.vary import Vary
-from graphnav.studies.ablation.study.worlds import replaced_worlds
+from graphnav.studies.ablation.study.vary import Vary, varied
+from graphnav.studies.ablation.study.worlds import checked_seeds, parse_seeds, replaced_worlds
 
 _VARY = "write --vary plane=plane.ica,plane.affine, or name a study"
 _METRICS, _WITHIN = "write --metrics drive.success,drive.spl", "write --within control.max_speed_mps"

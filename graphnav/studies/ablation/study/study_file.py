@@ -1,20 +1,122 @@
-"""Read a study from its YAML file, every part with its place."""
+"""Read a study file."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from graphnav.core.errors import Place, Problem, UserError, shown_path
-from graphnav.core.graph import find_graph
+from graphnav.core.graph import Override, Target, find_graph, parse_override
+from graphnav.core.spec import Value, parse_scalar, write_value
 from graphnav.studies.ablation.study.find_study import find, read
-from graphnav.studies.ablation.study.read_axes import axes_of
-from graphnav.studies.ablation.study.read_overrides import OverrideReader
-from graphnav.studies.ablation.study.seeds import checked_seeds, parse_seeds
-from graphnav.studies.ablation.study.source_text import SourceText
-from graphnav.studies.ablation.study.study import Study
-from graphnav.studies.ablation.study.study_keys import STUDY, StudyKeys
-from graphnav.studies.ablation.study.worlds import unknown_graph
+from graphnav.studies.ablation.study.study import Axis, Choice, Study
+from graphnav.studies.ablation.study.study_keys import STUDY, Choices, Settings, StudyKeys
+from graphnav.studies.ablation.study.vary import axis_problems, name_problems, plain_choice
+from graphnav.studies.ablation.study.worlds import checked_seeds, parse_seeds, unknown_graph
+
+_NUMBER = re.compile(r"[^\s,\[\]{}#]+")
+
+
+class SourceText:
+    """The text of a file, to look up how its values were written."""
+
+    def __init__(self, data: bytes) -> None:
+        self._lines = data.decode("utf-8-sig", "replace").splitlines()
+
+    def label(self, value: Value) -> str:
+        """Return a value as tables show it: 0.50 stays 0.50, strings have no quotes."""
+        return value.data if isinstance(value.data, str) and value.data.isprintable() else self._item(value)
+
+    def _item(self, value: Value) -> str:
+        if isinstance(value.data, list):
+            return "[" + ", ".join(map(self._item, value.data)) + "]"
+        if isinstance(value.data, int | float) and not isinstance(value.data, bool):
+            line = self._lines[value.place.line - 1][value.place.column - 1 :]
+            token = _NUMBER.match(line)
+            if token and repr(parse_scalar(token[0])) == repr(value.data):
+                return token[0]
+        return write_value(value.plain())
+
+
+@dataclass(frozen=True)
+class OverrideReader:
+    """Reads the overrides of one file in ``folder``; adds what is wrong to ``problems``."""
+
+    folder: Path
+    problems: list[Problem]
+
+    def mapping(self, settings: Settings) -> tuple[Override, ...]:
+        """Return the overrides of targets and their values."""
+        found = []
+        for text, value in settings.items():
+            if isinstance(value.data, dict):
+                what = f"the value of '{text}' is a mapping"
+                self.problems.append(Problem(value.place, what, "write stage.parameter: value"))
+            elif (target := self.target(text, value.place)) is not None:
+                found.append(self.override(target, value))
+        return tuple(found)
+
+    def texts(self, texts: Mapping[str, Place]) -> tuple[Override, ...]:
+        """Return the overrides of strings ``target=value``."""
+        return tuple(self._texts(texts.items()))
+
+    def target(self, text: str, place: Place) -> Target | None:
+        """Return a target, None where it is not one."""
+        try:
+            return Target.parse(text, place)
+        except UserError as error:
+            self.problems.extend(error.problems)
+            return None
+
+    def override(self, target: Target, value: Value) -> Override:
+        """Return the override of a target by a value of the file."""
+        return Override(target, value.plain(), value.place, self.folder)
+
+    def _texts(self, texts: Iterable[tuple[str, Place]]) -> Iterable[Override]:
+        for text, place in texts:
+            try:
+                yield replace(parse_override(text, place), folder=self.folder)
+            except UserError as error:
+                self.problems.extend(error.problems)
+
+
+def axes_of(keys: StudyKeys, source: SourceText, reader: OverrideReader) -> tuple[Axis, ...]:
+    """Return the axes under ``vary``: lists of what a target becomes, or mappings of labels to what each sets."""
+    axes, problems = [], reader.problems
+    for name, choices in keys.vary.items():
+        before, place = len(problems), keys.key_place("vary", name)
+        problems.extend(name_problems(name, place))
+        axis = Axis(name, _choices(name, choices, keys, source, reader), place)
+        if len(problems) == before:
+            problems.extend(axis_problems(axis))
+        axes.append(axis)
+    if not axes and not problems:
+        hint = "write vary: {plane: [plane.ica, plane.affine]}"
+        problems.append(Problem(keys.key_place("vary"), "the study varies nothing", hint))
+    return tuple(axes)
+
+
+def _choices(
+    axis: str, choices: Choices, keys: StudyKeys, source: SourceText, reader: OverrideReader
+) -> tuple[Choice, ...]:
+    if isinstance(choices, Mapping):
+        return tuple(
+            Choice(label, reader.mapping(settings or {}), keys.key_place("vary", axis, label))
+            for label, settings in choices.items()
+        )
+    place = keys.key_place("vary", axis)
+    target = None if place is None or any(name_problems(axis, place)) else reader.target(axis, place)
+    return tuple(_plain(target, value, source, reader) for value in choices or ()) if target is not None else ()
+
+
+def _plain(target: Target, value: Value, source: SourceText, reader: OverrideReader) -> Choice:
+    if isinstance(value.data, dict):
+        hint = f"name a choice that sets several things: {target}: {{label: {{stage.parameter: value}}}}"
+        reader.problems.append(Problem(value.place, f"axis '{target}': a value in a list cannot be a mapping", hint))
+    return plain_choice(reader.override(target, value), source.label(value), value.place)
+
 
 Texts = dict[str, Place]
 """Strings, each with its location."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from graphnav.core.spec import FileFormat, Record, Value, key
 from graphnav.core.stage import former_names
-from graphnav.studies.ablation.study.seeds import HINT, MAX_SEED
+from graphnav.studies.ablation.study.worlds import HINT, MAX_SEED
 
 Names = str | tuple[str, ...]
 Settings = Mapping[str, Value]

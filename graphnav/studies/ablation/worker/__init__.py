@@ -1,8 +1,6 @@
 """One run of a study, made in a process of its own."""
 
-from graphnav.studies.ablation.worker.perform_task import ENDING, NOT_DRAWN
-from graphnav.studies.ablation.worker.serve_tasks import IDLE_S
-from graphnav.studies.ablation.worker.task import STALL_S, Result, Task
+from graphnav.studies.ablation.worker.perform_task import ENDING, IDLE_S, NOT_DRAWN, STALL_S, Result, Task
 
 __all__ = [
     "ENDING",

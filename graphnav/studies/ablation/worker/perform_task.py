@@ -1,12 +1,13 @@
-"""Make one run of a study, on any machine."""
+"""A task of a worker, and one run made of it, on any machine."""
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Literal
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import DrawingError, GraphnavError, LogError, StageError, UserError
@@ -19,7 +20,53 @@ from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.stall import StallLimit
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.studies.ablation.plan import difference_here
-from graphnav.studies.ablation.worker.task import Result, Task
+
+IDLE_S = 60.0
+"""A process that is idle for this long exits: on a cluster it is not notified of the end of the study."""
+STALL_S = 300.0
+"""So long may one call into a stage take in a study: longer than any that ends, so that no study waits for ever."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A pending run; it needs no file but those that the graph and the plugins name."""
+
+    folder: str
+    """Where its files will be, below the study's folder."""
+    graph_yaml: str
+    """The resolved graph, its paths absolute."""
+    graph_path: str
+    """Its file, which names the run; it is not read."""
+    notices: tuple[str, ...]
+    seed: int
+    plugins: tuple[str, ...]
+    versions: Mapping[str, str]
+    """The versions of the study: a machine with any other must not take part."""
+    record: Literal["small", "all"] = "small"
+    draws: bool = False
+    """Whether its pictures are drawn."""
+    keeps_log: bool = True
+    stall_s: float = STALL_S
+    """The longest time that one call into a stage may take, seconds of wall time."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """The result of a task: its files, or the reason why there are none."""
+
+    task: Task
+    files: Mapping[str, bytes]
+    """The content of the run folder, by path in it."""
+    outcome: str = ""
+    error: str = ""
+    """An error that is not of the stages and ends the study: a full disk, another version."""
+    died: bool = False
+    """Whether the process that made it died."""
+    last_call: str = ""
+    """If it died: the last call into a stage, empty if that is not known."""
+    ends_process: bool = False
+    """Whether the process that made it ends now: a stage does not return, so that it can make no other run."""
+
 
 ENDING = "end.png"
 """The picture of how a run ended: the map, and the panels of the last frame."""

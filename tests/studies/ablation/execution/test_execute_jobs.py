@@ -9,7 +9,7 @@ import pytest
 
 from graphnav import Recording
 from graphnav.core.record import LOG
-from graphnav.studies.ablation.execution.crashed_run import DIED
+from graphnav.studies.ablation.execution.execute_jobs import DIED
 
 FINE = 2
 """The seed of four from which the toy's own is even, so that it comes to no grief."""

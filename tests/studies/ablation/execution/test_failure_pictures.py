@@ -10,11 +10,10 @@ from typing import Any
 import pytest
 
 from graphnav.core.stage import Metric
-from graphnav.studies.ablation.execution.failure_pictures import pending_drawings
+from graphnav.studies.ablation.execution.execute_jobs import pending_drawings
 from graphnav.studies.ablation.execution.study_folder import StudyFolder, read_plan
 from graphnav.studies.ablation.plan.plan import Plan
-from graphnav.studies.ablation.results.failures import failure_folder, worst_failures
-from graphnav.studies.ablation.results.records import Record, read_records
+from graphnav.studies.ablation.results.records import Record, failure_folder, read_records, worst_failures
 
 FAILURES = ["failures/toy/robot.odd=contact/0", "failures/toy/robot.odd=contact/1"]
 

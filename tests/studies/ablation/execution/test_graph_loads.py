@@ -13,7 +13,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph, load, parse_override
 from graphnav.core.graph.check import check
 from graphnav.core.spec import Spec
-from graphnav.studies.ablation.execution.task_factory import TaskFactory
+from graphnav.studies.ablation.execution.execute_jobs import TaskFactory
 from graphnav.studies.ablation.plan import check_study
 from graphnav.studies.ablation.study import parse_varies, study_of_command
 from graphnav.studies.ablation.worker.perform_task import perform

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import pytest
 
-from graphnav.studies.ablation.execution.task_queue import RUNS_IN_A_ROW, TaskQueue
+from graphnav.studies.ablation.execution.local_processes import RUNS_IN_A_ROW, TaskQueue
 from graphnav.studies.ablation.worker import Task
 
 

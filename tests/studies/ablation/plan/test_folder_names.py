@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from graphnav.studies.ablation.plan.folder_names import folder_names
+from graphnav.studies.ablation.plan.build_plan import folder_names
 
 HARD = (
     "plane.ica + planar.motion",

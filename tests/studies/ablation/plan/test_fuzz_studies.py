@@ -13,8 +13,8 @@ from graphnav.core.graph import parse_overrides
 from graphnav.core.spec import write_value
 from graphnav.studies.ablation.plan.build_plan import check_study
 from graphnav.studies.ablation.study.command_line import study_of_command
-from graphnav.studies.ablation.study.seeds import parse_seeds
 from graphnav.studies.ablation.study.vary import parse_varies
+from graphnav.studies.ablation.study.worlds import parse_seeds
 
 STUDIES = Path(__file__).resolve().parents[3] / "errors" / "studies"
 CALM = settings(

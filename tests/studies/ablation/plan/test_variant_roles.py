@@ -5,11 +5,9 @@ import pytest
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Problem
 from graphnav.core.graph import load_graph, parse_overrides
-from graphnav.studies.ablation.plan.build_plan import check_study
-from graphnav.studies.ablation.plan.case_problems import CaseProblems
-from graphnav.studies.ablation.plan.checked_cases import CheckedCase, check_cases
+from graphnav.studies.ablation.plan.build_plan import check_study, variant_roles
+from graphnav.studies.ablation.plan.checked_cases import CaseProblems, CheckedCase, check_cases
 from graphnav.studies.ablation.plan.upstream import driving_stages, measured_stages
-from graphnav.studies.ablation.plan.variant_roles import variant_roles
 from graphnav.studies.ablation.plan.variants import expand
 from graphnav.studies.ablation.study.command_line import study_of_command
 from graphnav.studies.ablation.study.vary import parse_varies

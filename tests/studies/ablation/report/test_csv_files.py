@@ -11,8 +11,8 @@ import pytest
 
 from graphnav.studies.ablation.plan.plan import Plan
 from graphnav.studies.ablation.report.csv_files import write_metrics, write_results, write_timing
-from graphnav.studies.ablation.results.metric_values import metric_columns
 from graphnav.studies.ablation.results.records import Record
+from graphnav.studies.ablation.results.study_values import metric_columns
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

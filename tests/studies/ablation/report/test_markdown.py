@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from graphnav.core.machine.console import Console
 from graphnav.studies.ablation.plan.plan import Plan
-from graphnav.studies.ablation.report.html.number_text import MINUS, estimated
+from graphnav.studies.ablation.report.html.rendering import MINUS, estimated
 from graphnav.studies.ablation.report.legend import seeds_text
 from graphnav.studies.ablation.report.markdown import table_markdown
 from graphnav.studies.ablation.report.number_format import difference_text, estimate_text
@@ -21,7 +21,7 @@ from graphnav.studies.ablation.report.terminal import print_comparison
 from graphnav.studies.ablation.results.compare_variants import compare
 from graphnav.studies.ablation.results.comparison import Difference, Estimate
 from graphnav.studies.ablation.results.records import Record
-from graphnav.studies.ablation.results.statistics.hypothesis_tests import Significance
+from graphnav.studies.ablation.results.statistics import Significance
 from graphnav.studies.ablation.stopping import pending_runs
 
 MakePlan = Callable[..., Plan]

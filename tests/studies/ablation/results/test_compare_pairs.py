@@ -8,11 +8,10 @@ from collections.abc import Callable
 import pytest
 
 from graphnav.studies.ablation.plan.plan import Plan
-from graphnav.studies.ablation.results.compare_pairs import all_pairs, contrasts
-from graphnav.studies.ablation.results.compare_variants import compare
+from graphnav.studies.ablation.results.compare_variants import all_pairs, compare, contrasts
 from graphnav.studies.ablation.results.comparison import Difference
 from graphnav.studies.ablation.results.records import Record
-from graphnav.studies.ablation.results.statistics.intervals import bonett_price
+from graphnav.studies.ablation.results.statistics import bonett_price
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -13,8 +13,8 @@ from graphnav.core.errors import UserError
 from graphnav.core.machine.console import Console
 from graphnav.core.stage import Metric
 from graphnav.studies.ablation.plan.plan import Plan
-from graphnav.studies.ablation.plan.same_drive import shows_same_drive
-from graphnav.studies.ablation.report.paired_markdown import paired_studies_markdown
+from graphnav.studies.ablation.plan.provenance import shows_same_drive
+from graphnav.studies.ablation.report.markdown import paired_studies_markdown
 from graphnav.studies.ablation.report.terminal import print_paired_studies
 from graphnav.studies.ablation.results.compare_studies import pair_studies
 from graphnav.studies.ablation.results.compare_variants import compare

@@ -13,7 +13,7 @@ import pytest
 from graphnav.studies.ablation.plan.plan import Plan
 from graphnav.studies.ablation.results.compare_variants import compare
 from graphnav.studies.ablation.results.records import Record
-from graphnav.studies.ablation.results.statistics.intervals import bonett_price, student, wilson
+from graphnav.studies.ablation.results.statistics import bonett_price, student, wilson
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

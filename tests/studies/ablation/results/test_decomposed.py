@@ -8,8 +8,14 @@ from matplotlib.colors import to_hex
 
 from graphnav.core.stage import Metric
 from graphnav.studies.ablation.plan.plan import Plan
-from graphnav.studies.ablation.report.decomposition_chart import _bounds, _figure, decomposition_picture
-from graphnav.studies.ablation.report.decomposition_text import notes, rows, sentences
+from graphnav.studies.ablation.report.decomposition import (
+    _bounds,
+    _figure,
+    decomposition_picture,
+    notes,
+    rows,
+    sentences,
+)
 from graphnav.studies.ablation.results import Losses, losses
 from graphnav.studies.ablation.results.records import Record
 from graphnav.studies.ablation.study.study import Decomposition

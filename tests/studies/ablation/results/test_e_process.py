@@ -7,8 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from graphnav.studies.ablation.results.statistics.e_process import BETS, e_process
-from graphnav.studies.ablation.results.statistics.hypothesis_tests import holm
+from graphnav.studies.ablation.results.statistics import BETS, e_process, holm
 
 Draw = Callable[[np.random.Generator, tuple[int, int]], np.ndarray]
 

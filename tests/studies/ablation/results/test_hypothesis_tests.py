@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from graphnav.studies.ablation.results.statistics.hypothesis_tests import (
+from graphnav.studies.ablation.results.statistics import (
     EXACT_BELOW,
     holm,
     mcnemar,

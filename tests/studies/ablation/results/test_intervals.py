@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from graphnav.studies.ablation.results.statistics.intervals import (
+from graphnav.studies.ablation.results.statistics import (
     bonett_price,
     difference_interval,
     mean_interval,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from graphnav.core.errors import UserError
-from graphnav.studies.ablation.results.pair_text import parse_pairs
+from graphnav.studies.ablation.results.compare_variants import parse_pairs
 
 VARIANTS = ("plane.ica + planar.motion", "plane.affine", "gains=[1, 2]", "gains=[1, 3]")
 

@@ -13,8 +13,7 @@ from graphnav.core.stage import Metric
 from graphnav.studies.ablation.plan.plan import Plan
 from graphnav.studies.ablation.report.legend import counting
 from graphnav.studies.ablation.results.compare_variants import compare
-from graphnav.studies.ablation.results.records import Record, read_records
-from graphnav.studies.ablation.results.relative_metrics import relative_metrics
+from graphnav.studies.ablation.results.records import Record, read_records, relative_metrics
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -12,10 +12,8 @@ from graphnav.core.stage import Metric
 from graphnav.studies.ablation.plan.plan import Job, Plan
 from graphnav.studies.ablation.report.markdown import table_markdown
 from graphnav.studies.ablation.results import compare
-from graphnav.studies.ablation.results.records import Record
-from graphnav.studies.ablation.results.relative_metrics import relative_metrics
-from graphnav.studies.ablation.stopping.rounds import check_stopping, decisions, jobs_of_next_round
-from graphnav.studies.ablation.stopping.stopping_report import stopping_texts
+from graphnav.studies.ablation.results.records import Record, relative_metrics
+from graphnav.studies.ablation.stopping import check_stopping, decisions, jobs_of_next_round, stopping_texts
 
 MakePlan = Callable[..., Plan]
 MakeRecord = Callable[..., Record]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from graphnav.core.errors import UserError
-from graphnav.studies.ablation.study.metric_expression import MetricExpression
+from graphnav.studies.ablation.study.study import MetricExpression
 
 METRICS = {"a.auroc": 0.9, "b.auroc": 0.6, "b.nothing": 0.0}
 

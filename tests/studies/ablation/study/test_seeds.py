@@ -3,7 +3,7 @@
 import pytest
 
 from graphnav.core.errors import Place, UserError
-from graphnav.studies.ablation.study.seeds import MAX_SEEDS, parse_seeds
+from graphnav.studies.ablation.study.worlds import MAX_SEEDS, parse_seeds
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.studies.ablation.plan.provenance import provenance
-from graphnav.studies.ablation.worker.perform_task import perform
-from graphnav.studies.ablation.worker.task import Task
+from graphnav.studies.ablation.worker.perform_task import Task, perform
 
 
 @pytest.mark.parametrize("name", ["numpy", "code of plane"])

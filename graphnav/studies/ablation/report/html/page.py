@@ -13,19 +13,12 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph
 from graphnav.core.machine.atomic_write import write_atomically
 from graphnav.studies.ablation.plan import Plan
-from graphnav.studies.ablation.report.html.render import rendered
-from graphnav.studies.ablation.report.html.sections import (
-    decomposition,
-    drawings,
-    gallery,
-    maps,
-    overview,
-    pair_matrices,
-    plots,
-    reproduce,
-    tables,
-    timing,
-)
+from graphnav.studies.ablation.report.html.first_screen import overview
+from graphnav.studies.ablation.report.html.plots import plots
+from graphnav.studies.ablation.report.html.rendering import rendered
+from graphnav.studies.ablation.report.html.reproduction import drawings, reproduce
+from graphnav.studies.ablation.report.html.result_tables import decomposition, pair_matrices, tables, timing
+from graphnav.studies.ablation.report.html.run_pictures import gallery, maps
 from graphnav.studies.ablation.report.html.study_results import StudyResults
 from graphnav.studies.ablation.results import Comparison, Record
 

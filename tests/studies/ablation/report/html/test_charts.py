@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from graphnav.core.stage import Better, Role
 from graphnav.studies.ablation.report.html.charts.scale import scale_of, wide_scale_of
-from graphnav.studies.ablation.report.html.number_text import MINUS, estimated, means_text, number
-from graphnav.studies.ablation.report.html.sections.plots.parameter_sweeps import axis_numbers
-from graphnav.studies.ablation.report.html.verdict import Verdict, verdict_of
+from graphnav.studies.ablation.report.html.plots import axis_numbers
+from graphnav.studies.ablation.report.html.rendering import MINUS, estimated, means_text, number
+from graphnav.studies.ablation.report.html.study_results import Verdict, verdict_of
 from graphnav.studies.ablation.results.comparison import Difference, Row
-from graphnav.studies.ablation.results.statistics.hypothesis_tests import Significance
+from graphnav.studies.ablation.results.statistics import Significance
 
 from .example_study import Page, plan_of, record_of, records_of, report
 

@@ -12,8 +12,7 @@ from graphnav.core.cli import main
 from graphnav.core.pictures import DRAWING_FAMILY
 from graphnav.core.record import Recording
 from graphnav.studies.ablation.plan.plan import Plan
-from graphnav.studies.ablation.results.failures import failure_folder
-from graphnav.studies.ablation.results.records import read_records
+from graphnav.studies.ablation.results.records import failure_folder, read_records
 
 from .example_study import Page, plan_of, report
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from graphnav.studies.ablation.report.html.charts.scale import Scale, scale_of
-from graphnav.studies.ablation.report.html.render import rendered
+from graphnav.studies.ablation.report.html.rendering import rendered
 
 _WIDTH, _LEFT, _RIGHT, _ROW, _BOTTOM = 1128.0, 300.0, 70.0, 24.0, 40.0
 _CHAR = 7.3

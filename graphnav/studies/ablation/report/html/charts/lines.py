@@ -10,7 +10,7 @@ from itertools import pairwise
 from markupsafe import Markup
 
 from graphnav.studies.ablation.report.html.charts.scale import PlacedTick, Scale, scale_of, wide_scale_of
-from graphnav.studies.ablation.report.html.render import rendered
+from graphnav.studies.ablation.report.html.rendering import rendered
 
 _HEIGHT = 300.0
 HALF_WIDTH, FULL_WIDTH = 556.0, 1128.0

@@ -11,8 +11,7 @@ from markupsafe import Markup
 from graphnav.core.stage import Better
 from graphnav.studies.ablation.report.html.charts.lines import FULL_WIDTH
 from graphnav.studies.ablation.report.html.charts.scale import PlacedTick, Scale, scale_of
-from graphnav.studies.ablation.report.html.number_text import number
-from graphnav.studies.ablation.report.html.render import rendered
+from graphnav.studies.ablation.report.html.rendering import number, rendered
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 14.0, 60.0, 52.0, 14.0
 _ROW, _MIN_HEIGHT = 46.0, 220.0

@@ -10,8 +10,7 @@ from markupsafe import Markup
 
 from graphnav.studies.ablation.report.html.charts.lines import HALF_WIDTH
 from graphnav.studies.ablation.report.html.charts.scale import Scale, scale_of
-from graphnav.studies.ablation.report.html.number_text import number
-from graphnav.studies.ablation.report.html.render import rendered
+from graphnav.studies.ablation.report.html.rendering import number, rendered
 
 _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 270.0, 42.0, 16.0, 30.0, 46.0
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from graphnav.studies.ablation.report.html.number_text import number
+from graphnav.studies.ablation.report.html.rendering import number
 
 _STEPS = (1, 2, 2.5, 5, 10)
 _FLAT = 1e-9

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from graphnav.studies.ablation.report.html.charts.scale import PlacedTick, Scale, scale_of
-from graphnav.studies.ablation.report.html.number_text import number
-from graphnav.studies.ablation.report.html.render import rendered
+from graphnav.studies.ablation.report.html.rendering import number, rendered
 from graphnav.studies.ablation.report.number_format import format_of
 
 _WIDTH, _GAP, _VALUE = 1128.0, 30.0, 58.0

@@ -1,4 +1,4 @@
-"""Which worlds a study needs next, given the results so far."""
+"""Decide the number of worlds by the results: add them until the deciding metric tells every variant from the base."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from graphnav.arrays import Doubles
 from graphnav.core.errors import UserError
 from graphnav.studies.ablation.plan import Case, Job, Plan
 from graphnav.studies.ablation.results import (
+    ALPHA,
     Record,
     Values,
     anytime_p,
@@ -158,3 +159,20 @@ def _values(plan: Plan, case: Case, records: Sequence[Record]) -> Values:
     runs = (record for record in records if (record.graph, record.variant) == (case.graph, case.variant))
     values = values_of(plan, MetricExpression.parse(plan.metrics[0]), runs)
     return scaled_values(plan, plan.metrics[0], case.graph, case.variant, values)
+
+
+def stopping_texts(plan: Plan, records: Sequence[Record]) -> Iterator[str]:
+    """Yield how the number of worlds was decided and when each variant was; nothing for other studies."""
+    if not plan.until_clear:
+        return
+    metric = plan.metrics[0]
+    yield (
+        f"Stopped by --until-clear: {ROUND} worlds at a time were added until {metric} told each variant from the "
+        f"base, with at most {ALPHA:.0%} for any false decision on a graph at any time (betting e-process, Holm). The "
+        "intervals of the tables are for a number of worlds that was set before; means at a stop lean away from 0."
+    )
+    for graph in plan.graphs:
+        for decision in decisions(plan, graph, records):
+            state = "told" if decision.is_told else "not told"
+            small = ", by a difference smaller than what matters" if decision.is_told and not decision.matters else ""
+            yield f"{graph}, {decision.case.variant}: {state} from the base after {decision.worlds} worlds{small}"

@@ -1,16 +1,14 @@
-"""The first screen: question, answer, setup, and the chart that shows the answer."""
+"""The first screen: question, answer, what was compared, what decides."""
 
 from __future__ import annotations
 
 from markupsafe import Markup
 
-from graphnav.studies.ablation.report.html.number_text import counted
-from graphnav.studies.ablation.report.html.render import rendered
-from graphnav.studies.ablation.report.html.sections.forest_plot import chart_key, forest
-from graphnav.studies.ablation.report.html.sections.headline import headline, verdicts
-from graphnav.studies.ablation.report.html.sections.plots import deciding_sweeps
-from graphnav.studies.ablation.report.html.sections.variant_lists import reference_values, variants_by_verdict
+from graphnav.studies.ablation.report.html.forest_plot import chart_key, forest
+from graphnav.studies.ablation.report.html.plots import deciding_sweeps
+from graphnav.studies.ablation.report.html.rendering import counted, rendered
 from graphnav.studies.ablation.report.html.study_results import StudyResults
+from graphnav.studies.ablation.report.html.verdicts import headline, reference_values, variants_by_verdict, verdicts
 from graphnav.studies.ablation.report.legend import too_few_worlds, worlds_of_graphs
 
 _MAX_NAMED = 6

@@ -1,4 +1,4 @@
-"""One metric of all variants on all graphs, as dot-and-whisker charts."""
+"""The mean of every variant with its interval, graph by graph."""
 
 from __future__ import annotations
 
@@ -9,11 +9,8 @@ from markupsafe import Markup
 
 from graphnav.core.runner import Outcome
 from graphnav.studies.ablation.report.html.charts import PANELS, Mark, Panel, whisker_chart
-from graphnav.studies.ablation.report.html.number_text import estimate_text
-from graphnav.studies.ablation.report.html.render import rendered
-from graphnav.studies.ablation.report.html.study_results import StudyResults
-from graphnav.studies.ablation.report.html.variant_style import badge_of
-from graphnav.studies.ablation.report.html.verdict import WORDS, verdict_of
+from graphnav.studies.ablation.report.html.rendering import estimate_text, rendered
+from graphnav.studies.ablation.report.html.study_results import WORDS, StudyResults, badge_of, verdict_of
 from graphnav.studies.ablation.results import Row
 
 MAX_ROWS = 24
