@@ -13,15 +13,13 @@ from graphnav.core.api.result_folder import KeptFolder
 from graphnav.core.machine.console import Console
 from graphnav.core.render.html_templates import rendered
 from graphnav.studies.ablation.plan import Plan
-from graphnav.studies.ablation.report import print_comparison
+from graphnav.studies.ablation.report import print_comparison, runs_data
 from graphnav.studies.ablation.results import (
     Comparison,
     Difference,
     Record,
     Row,
     contrasts,
-    in_plan_order,
-    metric_columns,
     parse_pairs,
     shown_metrics,
 )
@@ -60,11 +58,7 @@ class Study:
 
         The content of ``results.csv``; missing metrics are NaN. Raises UserError without pandas.
         """
-        pandas = import_pandas("Study.runs")
-        metrics = metric_columns(self.plan, self.records)
-        columns = ["graph", "variant", "role", *self.plan.axes, *_RUN_COLUMNS, *metrics]
-        rows = [self._run(record) for record in in_plan_order(self.plan, self.records)]
-        return pandas.DataFrame(rows, columns=columns)
+        return runs_data(self.plan, self.records).frame("Study.runs")
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -102,18 +96,6 @@ class Study:
         index = pandas.MultiIndex.from_tuples([key for key, _ in found], names=["graph", "metric"])
         return pandas.DataFrame([row for _, row in found], index=index, columns=list(_CONTRAST_COLUMNS))
 
-    def _run(self, record: Record) -> dict[str, Any]:
-        case = self.plan.case(record.graph, record.variant)
-        told = {name: getattr(record, name) for name in _RUN_COLUMNS}
-        return {
-            "graph": case.source,
-            "variant": record.variant,
-            "role": case.role,
-            **case.labels,
-            **told,
-            **record.metrics,
-        }
-
     def _comparisons(self) -> Iterator[tuple[tuple[str, str, str], dict[str, Any]]]:
         for graph in self.plan.graphs:
             for metric in shown_metrics(self.plan, self.comparison):
@@ -137,7 +119,6 @@ class Study:
         )
 
 
-_RUN_COLUMNS = ("seed", "outcome", "cause", "failure", "frames", "sim_s")
 _COLUMNS = (
     "worlds", "mean", "low", "high", "difference", "difference_low", "difference_high", "won", "lost", "p",
     "p_holm", "clear",

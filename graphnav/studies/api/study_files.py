@@ -11,18 +11,13 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report import (
-    METRICS,
     PICTURE,
-    RESULTS,
     TABLE,
-    TIMING,
     decomposition_picture,
     table_markdown,
     write_atomically,
-    write_metrics,
+    write_csv_files,
     write_report,
-    write_results,
-    write_timing,
 )
 from graphnav.studies.ablation.results import (
     Comparison,
@@ -63,9 +58,7 @@ def write_study_files(
     """
     records = read_records(plan, folder)
     comparison = compare(plan, records, pending_runs(plan, records))
-    write_results(plan, records, folder / RESULTS)
-    write_metrics(plan, records, folder / METRICS)
-    write_timing(plan, records, folder / TIMING)
+    write_csv_files(plan, records, folder)
     found = losses(plan, records)
     notes = (*stopping_texts(plan, records), *sample_size_texts(plan, comparison, records))
     write_atomically(folder / TABLE, table_markdown(plan, comparison, found, notes))

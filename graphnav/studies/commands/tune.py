@@ -138,21 +138,21 @@ def _print_search(tuning: Tuning, console: Console) -> None:
 
 
 def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
-    from rich.table import Table
-    from rich.text import Text
+    from graphnav.studies.table import print_table
+    from graphnav.studies.tuning import (
+        OPTIMISTIC,
+        STUDY,
+        TABLE,
+        TRIALS,
+        conclusion,
+        params_text,
+        trouble_texts,
+        tuned_table,
+    )
 
-    from graphnav.core.machine.fitted_tables import fitted_tables
-    from graphnav.studies.tuning import OPTIMISTIC, STUDY, TABLE, TRIALS, conclusion, header, rows, trouble_texts
-
-    table = Table(box=None, pad_edge=False)
-    for name in header(run)[:-1]:
-        table.add_column(Text(name))
-    for *cells, _ in rows(run):
-        table.add_row(*map(Text, cells))
-    for block in fitted_tables(console, table):
-        console.print(block)
-    for label, *_, params in rows(run):
-        console.print(f"{label}: {params}", markup=False)
+    print_table(console, tuned_table(run, has_params=False), is_framed=False)
+    for rival in run.ranking(tuned=True):
+        console.print(f"{rival.label}: {params_text(run.best(rival))}", markup=False)
     console.print(conclusion(run), markup=False)
     for text in trouble_texts(run):
         console.print(text, markup=False)

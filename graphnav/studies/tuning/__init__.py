@@ -4,7 +4,7 @@ from graphnav.studies.tuning.rivals import Rival
 from graphnav.studies.tuning.search_range import SearchRange, parse_searches
 from graphnav.studies.tuning.trial import Trial
 from graphnav.studies.tuning.tuned_files import STUDY, TABLE, TRIALS, TUNING, begin_tuning, write_tuning
-from graphnav.studies.tuning.tuned_table import OPTIMISTIC, conclusion, header, rows, trouble_texts
+from graphnav.studies.tuning.tuned_table import OPTIMISTIC, conclusion, params_text, trouble_texts, tuned_table
 from graphnav.studies.tuning.tuning import Tuning, TuningRequest, check_tuning, named_after
 from graphnav.studies.tuning.tuning_run import TuningRun, run_tuning
 
@@ -23,11 +23,11 @@ __all__ = [
     "begin_tuning",
     "check_tuning",
     "conclusion",
-    "header",
     "named_after",
+    "params_text",
     "parse_searches",
-    "rows",
     "run_tuning",
     "trouble_texts",
+    "tuned_table",
     "write_tuning",
 ]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
 import shlex
@@ -18,6 +16,7 @@ from graphnav.core.machine.regular_file import read_json
 from graphnav.core.spec import write_value
 from graphnav.core.stage import params_of
 from graphnav.studies.ablation.report import write_atomically
+from graphnav.studies.table import Data
 from graphnav.studies.tuning.rivals import Rival, graphs_of
 from graphnav.studies.tuning.tuned_table import table_markdown, trials_text, worlds_text
 from graphnav.studies.tuning.tuning import Tuning, overrides_of
@@ -144,7 +143,7 @@ def write_tuning(run: TuningRun, folder: Path) -> None:
     GraphnavError
         A file cannot be written; its old version is kept.
     """
-    trials = _trials(run)
+    trials = _trials(run).csv()
     if _n_lines(folder / TRIALS) > trials.count("\n"):
         return
     write_atomically(folder / TRIALS, trials)
@@ -159,20 +158,17 @@ def _n_lines(path: Path) -> int:
         return 0
 
 
-def _trials(run: TuningRun) -> str:
-    """Return a line for every trial and world, a column for every parameter and metric."""
+def _trials(run: TuningRun) -> Data:
+    """Return a row for every trial and world, a column for every parameter and metric."""
     metrics = list(run.tuning.metrics)
     targets = list(dict.fromkeys(one.target for rival in run.tuning.rivals for one in rival.space))
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["rival", "trial", "refused", "graph", "seed", "failed", *metrics, *targets])
+    rows = []
     for rival in run.tuning.rivals:
         for trial in run.of(rival):
             params = rival.center if not trial.params else trial.params
-            shown = [write_value(params[target]) if target in params else "" for target in targets]
+            shown = [write_value(params[target]) if target in params else None for target in targets]
             for graph, seed in run.tuning.worlds:
-                found = [trial.values[metric].get((graph, seed)) for metric in metrics]
-                values = ["" if value is None else repr(value) for value in found]
-                failed = trial.failures.get((graph, seed), "")
-                writer.writerow([rival.label, trial.number, trial.refused, graph, seed, failed, *values, *shown])
-    return text.getvalue()
+                values = [trial.values[metric].get((graph, seed)) for metric in metrics]
+                failed = trial.failures.get((graph, seed))
+                rows.append([rival.label, trial.number, trial.refused, graph, seed, failed, *values, *shown])
+    return Data(["rival", "trial", "refused", "graph", "seed", "failed", *metrics, *targets], rows)

@@ -1,4 +1,4 @@
-"""The result of a tuning in Markdown, and as rows for the terminal."""
+"""The result of a tuning: its table, its sentences, and both in Markdown."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from graphnav.core.spec import write_value
-from graphnav.studies.ablation.report import bullets, code, document, escaped, table
+from graphnav.studies.ablation.report import bullets, code, document
 from graphnav.studies.ablation.study import listed
+from graphnav.studies.table import Table, escaped, markdown_table, text_table
 from graphnav.studies.tuning.rivals import Rival
 from graphnav.studies.tuning.trial import Trial
 from graphnav.studies.tuning.tuning import Tuning
@@ -19,18 +20,22 @@ OPTIMISTIC = (
 )
 
 
-def header(run: TuningRun) -> list[str]:
-    """Return the columns of the table."""
+def tuned_table(run: TuningRun, *, has_params: bool = True) -> Table:
+    """Return the rivals, the best one after tuning first; ``has_params``: with the parameters of the best trial."""
     metrics = [column for metric in run.tuning.metrics for column in (metric, "tuned")]
-    return ["rival", "trials", *metrics, "best trial", "parameters"]
-
-
-def rows(run: TuningRun) -> Iterator[list[str]]:
-    """Yield the rivals, the best one after tuning first."""
+    header = ["rival", "trials", *metrics, "best trial", *(["parameters"] if has_params else [])]
+    rows = []
     for rival in run.ranking(tuned=True):
         default, best = run.default(rival), run.best(rival)
         values = [_mean(run, trial, metric) for metric in run.tuning.metrics for trial in (default, best)]
-        yield [rival.label, str(len(run.of(rival))), *values, str(best.number), _params(best)]
+        params = [params_text(best)] if has_params else []
+        rows.append([rival.label, str(len(run.of(rival))), *values, str(best.number), *params])
+    return text_table(header, rows)
+
+
+def params_text(trial: Trial) -> str:
+    """Return the parameters of a trial in one line."""
+    return ", ".join(f"{name}={write_value(value)}" for name, value in trial.params.items()) or "as it is"
 
 
 def conclusion(run: TuningRun) -> str:
@@ -81,7 +86,7 @@ def table_markdown(run: TuningRun) -> str:
     parts = [
         f"# {escaped(study.name)}",
         escaped(f"With {trials_text(run)} on {', '.join(study.graphs)}, in the worlds {worlds_text(run.tuning)}."),
-        table([*map(escaped, header(run))], ([*map(escaped, cells)] for cells in rows(run))),
+        markdown_table(tuned_table(run)),
         escaped(conclusion(run)),
         *([bullets(map(escaped, troubles))] if (troubles := list(trouble_texts(run))) else []),
         OPTIMISTIC,
@@ -97,10 +102,6 @@ def _searched(rival: Rival) -> Iterator[str]:
     yield f"- {escaped(rival.label)}: {found}"
     if rival.left:
         yield f"  Not searched, because nothing says what they could be: {', '.join(rival.left)}."
-
-
-def _params(trial: Trial) -> str:
-    return ", ".join(f"{name}={write_value(value)}" for name, value in trial.params.items()) or "as it is"
 
 
 def _mean(run: TuningRun, trial: Trial, metric: str) -> str:

@@ -1,4 +1,4 @@
-"""What runs depend on beside their graph, and whether two plans have the same."""
+"""Properties that runs depend on beside their graph, and whether two plans have the same."""
 
 from __future__ import annotations
 

@@ -1,14 +1,7 @@
 """The tables and the report of a study."""
 
 from graphnav.core.machine.atomic_write import write_atomically
-from graphnav.studies.ablation.report.csv_files import (
-    METRICS,
-    RESULTS,
-    TIMING,
-    write_metrics,
-    write_results,
-    write_timing,
-)
+from graphnav.studies.ablation.report.csv_files import METRICS, RESULTS, TIMING, runs_data, write_csv_files
 from graphnav.studies.ablation.report.decomposition import PICTURE, decomposition_picture, sentences
 from graphnav.studies.ablation.report.html import write_report
 from graphnav.studies.ablation.report.markdown import (
@@ -16,9 +9,7 @@ from graphnav.studies.ablation.report.markdown import (
     bullets,
     code,
     document,
-    escaped,
     paired_studies_markdown,
-    table,
     table_markdown,
 )
 from graphnav.studies.ablation.report.number_format import difference_text
@@ -35,17 +26,14 @@ __all__ = [
     "decomposition_picture",
     "difference_text",
     "document",
-    "escaped",
     "paired_studies_markdown",
     "print_comparison",
     "print_contrasts",
     "print_paired_studies",
+    "runs_data",
     "sentences",
-    "table",
     "table_markdown",
     "write_atomically",
-    "write_metrics",
+    "write_csv_files",
     "write_report",
-    "write_results",
-    "write_timing",
 ]

@@ -2,89 +2,87 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from graphnav.core.machine.atomic_write import write_atomically
-from graphnav.studies.ablation.plan import Plan
+from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.results import Record, in_plan_order, metric_columns
+from graphnav.studies.table import Data
 
 RESULTS = "results.csv"
 METRICS = "metrics.csv"
 TIMING = "timing.csv"
 
 
-def write_results(plan: Plan, records: Iterable[Record], path: Path) -> None:
-    """Write a line a run and a column a metric; the same runs give the same bytes, in whatever order they were made.
+def runs_data(plan: Plan, records: Iterable[Record]) -> Data:
+    """Return a row a run and a column a metric; the same of the same runs, in whatever order they were made.
 
     ``cause`` is the failure without its time: runs that failed alike have the same. Nothing that a wall clock measured
-    is in it. Numbers are written so that reading them gives the same number back; a metric that a run does not have is
-    empty.
+    is in it.
     """
     ordered = in_plan_order(plan, records)
     metrics = metric_columns(plan, ordered)
-    cases = {(case.graph, case.variant): case for case in plan.cases}
     columns = ("seed", "outcome", "cause", "failure", "frames", "sim_s")
-    header = ["graph", "variant", "role", *plan.axes, *columns, *metrics]
-    rows = (
+    rows = [
         [
-            (case := cases[record.graph, record.variant]).source,
+            case.source,
             record.variant,
             case.role,
-            *(case.labels.get(axis, "") for axis in plan.axes),
-            record.seed,
-            record.outcome,
-            record.cause,
-            record.failure,
-            record.frames,
-            repr(record.sim_s),
-            *(repr(record.metrics[name]) if name in record.metrics else "" for name in metrics),
+            *map(case.labels.get, plan.axes),
+            *(getattr(record, column) for column in columns),
+            *map(record.metrics.get, metrics),
         ]
-        for record in ordered
-    )
-    _write(path, header, rows)
+        for case, record in _with_cases(plan, ordered)
+    ]
+    return Data(["graph", "variant", "role", *plan.axes, *columns, *metrics], rows)
 
 
-def write_metrics(plan: Plan, records: Iterable[Record], path: Path) -> None:
-    """Write what is declared of each metric in ``results.csv``, a line a column: unit, direction, what counts, help."""
+def metrics_data(plan: Plan, records: Iterable[Record]) -> Data:
+    """Return what is declared of each metric in ``results.csv``, a row a column: unit, direction, what counts, help."""
     names = metric_columns(plan, in_plan_order(plan, records))
-    declared = {name: plan.metric(name) for name in names}
-    header = ["metric", "unit", "better", "if_failed", "outcome", "min_difference", "help"]
-    rows = (
-        [name, m.unit, m.better, m.if_failed, m.is_outcome, repr(m.min_difference), m.help]
-        for name, m in declared.items()
-    )
-    _write(path, header, rows)
+    rows = [
+        [name, m.unit, m.better, m.if_failed, m.is_outcome, m.min_difference, m.help]
+        for name, m in zip(names, map(plan.metric, names), strict=True)
+    ]
+    return Data(["metric", "unit", "better", "if_failed", "outcome", "min_difference", "help"], rows)
 
 
-def write_timing(plan: Plan, records: Iterable[Record], path: Path) -> None:
-    """Write a line for every stage of every run: what it was, how often it stepped, how long that took."""
-    cases = {(case.graph, case.variant): case for case in plan.cases}
-    header = ["graph", "variant", *plan.axes, "seed", "wall_s", "stage", "use", "steps", "p50_ms", "p99_ms"]
-    rows = (
+def timing_data(plan: Plan, records: Iterable[Record]) -> Data:
+    """Return a row for every stage of every run: what it was, how often it stepped, how long that took."""
+    rows = [
         [
-            (case := cases[record.graph, record.variant]).source,
+            case.source,
             record.variant,
-            *(case.labels.get(axis, "") for axis in plan.axes),
+            *map(case.labels.get, plan.axes),
             record.seed,
-            repr(record.wall_s),
+            record.wall_s,
             stage,
-            case.uses.get(stage, ""),
+            case.uses.get(stage),
             time.steps,
-            repr(time.p50_ms),
-            repr(time.p99_ms),
+            time.p50_ms,
+            time.p99_ms,
         ]
-        for record in in_plan_order(plan, records)
+        for case, record in _with_cases(plan, in_plan_order(plan, records))
         for stage, time in record.times.items()
-    )
-    _write(path, header, rows)
+    ]
+    return Data(["graph", "variant", *plan.axes, "seed", "wall_s", "stage", "use", "steps", "p50_ms", "p99_ms"], rows)
 
 
-def _write(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    write_atomically(path, text.getvalue())
+def write_csv_files(plan: Plan, records: Iterable[Record], folder: Path) -> None:
+    """Write the three files into the folder of a study.
+
+    Raises
+    ------
+    GraphnavError
+        The disk refuses; an existing file is unchanged.
+    """
+    found = tuple(records)
+    for name, data_of in ((RESULTS, runs_data), (METRICS, metrics_data), (TIMING, timing_data)):
+        write_atomically(folder / name, data_of(plan, found).csv())
+
+
+def _with_cases(plan: Plan, records: Iterable[Record]) -> Iterator[tuple[Case, Record]]:
+    cases = {(case.graph, case.variant): case for case in plan.cases}
+    for record in records:
+        yield cases[record.graph, record.variant], record

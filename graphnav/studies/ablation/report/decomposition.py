@@ -12,6 +12,7 @@ from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.number_format import difference_text, estimate_text, format_of, number
 from graphnav.studies.ablation.results import Difference, Estimate, Losses, Swap
 from graphnav.studies.ablation.study import listed
+from graphnav.studies.table import Table, text_table
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-HEADER = (
+_HEADER = (
     "swapped for its oracle",
     "alone",
     "difference from the graph",
@@ -75,12 +76,15 @@ def notes(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
             )
 
 
-def rows(of: Losses) -> Iterator[tuple[str, ...]]:
-    """Yield the cells of a table, below `HEADER`."""
+def loss_table(of: Losses) -> Table:
+    """Return what each oracle adds, alone and with those above."""
     worlds = of.as_it_is.n
-    yield "nothing", estimate_text(of.as_it_is, worlds), "", "", ""
-    for alone, step in zip(of.single, of.cumulative, strict=True):
-        yield alone.stage, _value(alone, worlds), _gain(alone), _value(step, worlds), _gain(step)
+    rows = [("nothing", estimate_text(of.as_it_is, worlds), "", "", "")]
+    rows += [
+        (alone.stage, _value(alone, worlds), _gain(alone), _value(step, worlds), _gain(step))
+        for alone, step in zip(of.single, of.cumulative, strict=True)
+    ]
+    return text_table(_HEADER, rows, heading(of))
 
 
 def _value(swap: Swap, worlds: int) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.core.errors import printable
-from graphnav.core.stage import Better
 from graphnav.studies.ablation.plan import Plan
-from graphnav.studies.ablation.report.decomposition import HEADER, heading, notes, rows, sentences
+from graphnav.studies.ablation.report.decomposition import heading, loss_table, notes, sentences
 from graphnav.studies.ablation.report.legend import (
     INTERVALS,
     OWN_FRAMES,
@@ -16,31 +15,20 @@ from graphnav.studies.ablation.report.legend import (
     counting,
     deciding,
     legend,
-    marks,
     origin,
-    outcome_counts,
     same_graphs,
     seeds_text,
-    worlds_text,
 )
-from graphnav.studies.ablation.report.number_format import difference_text, estimate_text
+from graphnav.studies.ablation.report.tables import comparison_table, paired_table
 from graphnav.studies.ablation.results import (
     Comparison,
-    Difference,
     Losses,
-    PairedRow,
     PairedStudies,
-    Row,
     shown_metrics,
 )
+from graphnav.studies.table import escaped, markdown_table, markdown_tables
 
 TABLE = "table.md"
-METRICS_PER_TABLE = 3
-"""More would need scrolling, and go into further tables."""
-ARROWS: dict[Better, str] = {"higher": " ↑", "lower": " ↓", "neither": ""}
-"""Behind the heading of a metric."""
-
-_ESCAPED = str.maketrans({"|": "\\|", "\n": " ", "<": "&lt;", "*": "\\*"})
 
 
 def table_markdown(plan: Plan, comparison: Comparison, found: Sequence[Losses] = (), notes: Sequence[str] = ()) -> str:
@@ -50,7 +38,7 @@ def table_markdown(plan: Plan, comparison: Comparison, found: Sequence[Losses] =
     """
     parts = [f"# {plan.name}", *([escaped(plan.about)] if plan.about else []), *_decomposition(plan, found)]
     for graph in plan.graphs:
-        parts += [f"## {graph}", *_graph(plan, comparison, comparison.of_graph(graph))]
+        parts += [f"## {graph}", *_graph(plan, comparison, graph)]
     if notes:
         parts += ["## Number of worlds", bullets(map(escaped, notes))]
     parts += ["## How to read and repeat this", bullets(map(escaped, legend(plan, comparison)))]
@@ -67,7 +55,7 @@ def _decomposition(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
         yield escaped(" ".join(sentences(plan, of)))
         if of.is_cut_off:
             continue
-        yield table(HEADER, ([escaped(cell) for cell in cells] for cells in rows(of)))
+        yield markdown_table(loss_table(of))
     yield bullets(map(escaped, notes(plan, found)))
 
 
@@ -76,20 +64,9 @@ def document(parts: Iterable[str]) -> str:
     return printable("\n\n".join(parts)) + "\n"
 
 
-def table(header: Sequence[str], lines_below: Iterable[Sequence[str]]) -> str:
-    """Return a Markdown table."""
-    lines = [header, ["---"] * len(header), *lines_below]
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
-
-
 def bullets(lines: Iterable[str]) -> str:
     """Return a Markdown list."""
     return "\n".join(f"- {line}" for line in lines)
-
-
-def escaped(text: str) -> str:
-    """Return a string that Markdown shows unchanged, in a table too."""
-    return text.translate(_ESCAPED)
 
 
 def code(text: str) -> str:
@@ -97,43 +74,19 @@ def code(text: str) -> str:
     return f"`{text}`" if "`" not in text else escaped(text)
 
 
-def difference_cell(found: Difference | None) -> str:
-    """Return a difference, bold where it is clear."""
-    if found is None:
-        return ""
-    text = difference_text(found)
-    return f"**{text}**" if found.is_clear else text
-
-
-def _graph(plan: Plan, comparison: Comparison, of_graph: Sequence[Row]) -> Iterator[str]:
-    metrics = shown_metrics(plan, comparison)
-    own = [row for row in of_graph if not row.case.same_as]
-    for first in range(0, max(len(metrics), 1), METRICS_PER_TABLE):
-        some = metrics[first : first + METRICS_PER_TABLE]
-        header = ["variant", *(["worlds", "outcomes"] if first == 0 else [])]
-        for metric in some:
-            header += [f"{escaped(plan.label(metric))}{ARROWS[plan.better(metric)]}", "difference"]
-        yield table(header, (_cells(row, some, with_runs=first == 0) for row in own))
+def _graph(plan: Plan, comparison: Comparison, graph: str) -> Iterator[str]:
+    of_graph = comparison.of_graph(graph)
+    yield from markdown_tables(comparison_table(plan, comparison, graph, shown_metrics(plan, comparison)))
     if alike := list(same_graphs(of_graph)):
         yield bullets(map(escaped, alike))
+    own = [row for row in of_graph if not row.case.same_as]
     failed = [(row, reason, times) for row in own for reason, times in row.failures.items()]
     if failed:
         yield "Failed runs:"
         yield bullets(f"{escaped(row.case.variant)}, {times}: {escaped(reason)}" for row, reason, times in failed)
 
 
-def _cells(row: Row, metrics: Sequence[str], *, with_runs: bool) -> list[str]:
-    cells = [" ".join([escaped(row.case.variant), *(f"({escaped(mark)})" for mark in marks(row))])]
-    if with_runs:
-        cells += [worlds_text(row), outcome_counts(row.outcomes)]
-    for metric in metrics:
-        found = row.estimates.get(metric)
-        change = OWN_FRAMES if metric in row.own_frames else difference_cell(row.differences.get(metric))
-        cells += ["" if found is None else estimate_text(found, row.runs), change]
-    return cells
-
-
-PAIRED_READING = (
+_PAIRED_READING = (
     "A is the first study, B the second. Each cell is the mean over the worlds that both have, with its interval; ↑ "
     "higher is better, ↓ lower. B - A is the mean difference in the same worlds with its interval, then in how many of "
     "them B was better–alike–worse."
@@ -149,7 +102,8 @@ def paired_studies_markdown(pairing: PairedStudies) -> str:
     """Return what two studies have in common as tables, graph by graph, and what only one of them has."""
     parts = [f"# {escaped(pairing.plan_a.name)} (A) and {escaped(pairing.plan_b.name)} (B)"]
     for graph in pairing.graphs:
-        parts += [f"## {graph}", *_paired_graph(pairing, [row for row in pairing.rows if row.graph == graph])]
+        found = paired_table(pairing, graph, tuple(pairing.metrics), has_outcomes=True)
+        parts += [f"## {graph}", *markdown_tables(found)]
     if alone := list(only_in_one(pairing)):
         parts += ["## Only in one of them", bullets(map(escaped, alone))]
     parts += [
@@ -167,7 +121,7 @@ def _legend(pairing: PairedStudies) -> tuple[str, ...]:
     plan = pairing.plan_b if primary is None else pairing.plan_of(primary)
     decides = deciding(plan, primary)
     own = [_OWN_FRAMES] if any(row.own_frames for row in pairing.rows) else []
-    return f"{PAIRED_READING} {decides}", INTERVALS, TESTS, UNTESTED, counting(pairing.plan_b, pairing.metrics), *own
+    return f"{_PAIRED_READING} {decides}", INTERVALS, TESTS, UNTESTED, counting(pairing.plan_b, pairing.metrics), *own
 
 
 def only_in_one(pairing: PairedStudies) -> Iterator[str]:
@@ -185,28 +139,3 @@ def different_versions(pairing: PairedStudies) -> Iterator[str]:
     """Yield which versions differ, in plain text."""
     for name, (a, b) in pairing.different_versions.items():
         yield f"{name}: {a or 'unknown'} in A, {b or 'unknown'} in B"
-
-
-def _paired_graph(pairing: PairedStudies, rows: Sequence[PairedRow]) -> Iterator[str]:
-    metrics = tuple(pairing.metrics)
-    for first in range(0, max(len(metrics), 1), METRICS_PER_TABLE):
-        some = metrics[first : first + METRICS_PER_TABLE]
-        header = ["variant", *(["worlds", "outcomes of A", "outcomes of B"] if first == 0 else [])]
-        for metric in some:
-            header += [
-                f"{escaped(pairing.plan_of(metric).label(metric))}{ARROWS[pairing.metrics[metric]]} A",
-                "B",
-                "B - A",
-            ]
-        yield table(header, (_paired_cells(row, some, with_runs=first == 0) for row in rows))
-
-
-def _paired_cells(row: PairedRow, metrics: Sequence[str], *, with_runs: bool) -> list[str]:
-    cells = [escaped(row.variant)]
-    if with_runs:
-        cells += [str(len(row.seeds)), outcome_counts(row.outcomes_a), outcome_counts(row.outcomes_b)]
-    for metric in metrics:
-        sides = (row.estimates_a, row.estimates_b)
-        cells += [estimate_text(side[metric], len(row.seeds)) if metric in side else "" for side in sides]
-        cells.append(OWN_FRAMES if metric in row.own_frames else difference_cell(row.differences.get(metric)))
-    return cells

@@ -10,11 +10,9 @@ from markupsafe import Markup
 
 from graphnav.core.stage import Better
 from graphnav.studies.ablation.report.decomposition import (
-    HEADER,
     decomposition_picture,
-    heading,
+    loss_table,
     notes,
-    rows,
     sentences,
 )
 from graphnav.studies.ablation.report.html.charts import stacked_bars
@@ -32,6 +30,7 @@ from graphnav.studies.ablation.report.html.study_results import (
 from graphnav.studies.ablation.report.legend import OWN_FRAMES, worlds_text
 from graphnav.studies.ablation.report.number_format import TOO_SMALL, p_text
 from graphnav.studies.ablation.results import AllPairs, Difference, Pair, Row, all_pairs, losses, min_worlds
+from graphnav.studies.table import Cell, Column, Table
 
 _MAX_OPEN = 40
 """Longer tables are folded."""
@@ -202,14 +201,13 @@ _REST, _REST_COLOUR = "all others", "#dfe3e8"
 
 @dataclass(frozen=True)
 class _GraphTimes:
-    """Bars of the first ``n_shown`` rows, and the times of all in milliseconds by variant and stage."""
+    """Bars of the first ``n_shown`` rows, and a table of all times in milliseconds by variant and stage."""
 
     name: str
     colours: Mapping[str, str]
     bars: Markup
     n_shown: int
-    stages: list[str]
-    rows: Mapping[str, Mapping[str, float]]
+    table: Table
 
 
 def timing(study: StudyResults) -> Markup:
@@ -227,7 +225,12 @@ def _graph_times(graph: str, rows: Mapping[str, Mapping[str, float]]) -> _GraphT
     colours = _colours(stages, rows)
     shown = {variant: _gathered(times, colours) for variant, times in list(rows.items())[:MAX_ROWS]}
     bars = stacked_bars(shown, colours, "median time of one step, ms")
-    return _GraphTimes(graph, colours, bars, len(shown), stages, rows)
+    columns = [Column("variant"), *(Column(stage, stage, "right") for stage in stages)]
+    cells = [
+        [Cell(variant), *(Cell(f"{times[stage]:.2f}" if stage in times else "—") for stage in stages)]
+        for variant, times in rows.items()
+    ]
+    return _GraphTimes(graph, colours, bars, len(shown), Table(columns, cells))
 
 
 def _colours(stages: Sequence[str], rows: Mapping[str, Mapping[str, float]]) -> dict[str, str]:
@@ -256,6 +259,5 @@ def decomposition(study: StudyResults) -> Markup:
         chart=base64.b64encode(decomposition_picture(told, "svg")).decode("ascii") if told else "",
         answers=[" ".join(sentences(study.plan, of)) for of in found],
         notes=list(notes(study.plan, found)),
-        header=HEADER,
-        tables=[(heading(of), list(rows(of))) for of in told],
+        tables=[loss_table(of) for of in told],
     )
