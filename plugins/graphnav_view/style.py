@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 
-from graphnav_view.atomic_file import written_aside
+from graphnav import written_aside
 
 WALL = "#4c566a"
 OBSTACLE = "#c98a4b"

@@ -13,8 +13,7 @@ from typing import Any
 
 import cv2
 
-from graphnav import UserError, VideoFrames
-from graphnav_view.atomic_file import written_aside
+from graphnav import UserError, VideoFrames, written_aside
 
 _H264 = "libx264"
 _CODEC = "vp09"

@@ -6,11 +6,11 @@ import errno
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
-from uuid import uuid4
 
 from graphnav.core.errors import GraphnavError, UserError
+from graphnav.core.machine.atomic_write import path_aside, written_aside
 
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _ELSEWHERE = "choose another place with -o"
@@ -34,17 +34,12 @@ def placed_file(target: Path, suffix: str, *, source: Path, force: bool) -> Iter
     _refuse_source(target, source)
     if target.exists() and not force:
         raise UserError.of(f"{target} exists", "add --force to replace it, or choose another name with -o")
-    aside = _aside(target, suffix)
-    try:
+    with _writable(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+    with _on_disk(target), written_aside(target, suffix) as aside:
         with _writable(target):
-            target.parent.mkdir(parents=True, exist_ok=True)
             aside.touch()
-        with _on_disk(target):
-            yield aside
-            aside.replace(target)
-    finally:
-        with suppress(OSError):  # it does not exist
-            aside.unlink()
+        yield aside
 
 
 @contextmanager
@@ -63,7 +58,7 @@ def placed_folder(target: Path, *, source: Path, force: bool) -> Iterator[Path]:
     """
     if target.exists() and not target.is_dir():
         raise UserError.of(f"{target} is a file", "name a folder with -o, or one channel with --channel")
-    aside = _aside(target, "")
+    aside = path_aside(target)
     try:
         with _writable(target):
             if target.exists() and any(target.iterdir()) and not force:
@@ -88,11 +83,6 @@ def placed_folder(target: Path, *, source: Path, force: bool) -> Iterator[Path]:
 def _refuse_source(target: Path, source: Path) -> None:
     if target.exists() and target.samefile(source):
         raise UserError.of(f"{target} is the log to export", _ELSEWHERE)
-
-
-def _aside(target: Path, suffix: str) -> Path:
-    """Return a unique name in the folder of ``target``."""
-    return target.parent / f".export-{uuid4().hex[:12]}{suffix}"
 
 
 @contextmanager
