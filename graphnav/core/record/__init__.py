@@ -4,6 +4,7 @@ from graphnav.core.record.channel_account import ChannelAccount, ChannelCounts, 
 from graphnav.core.record.channel_filter import ChannelFilter
 from graphnav.core.record.event import Damaged, Event, TruncatedEvent
 from graphnav.core.record.find_log import find_log
+from graphnav.core.record.log_cursor import LogCursor
 from graphnav.core.record.message_window import Periods, Sizes, Window, silent_after_s
 from graphnav.core.record.recording import ABOUT, SMALL_BYTES, Recording
 from graphnav.core.record.threaded_writer import GAP, LogGap, ThreadedLogWriter
@@ -24,6 +25,7 @@ __all__ = [
     "Event",
     "FirstArrivals",
     "Kind",
+    "LogCursor",
     "LogGap",
     "LogWriter",
     "Periods",

@@ -21,8 +21,8 @@ from graphnav.core.cli.status_line import StatusLine
 from graphnav.core.errors import shown_name
 
 if TYPE_CHECKING:
-    from graphnav.core.record import Recording
-    from graphnav.watch.player import EventSelection, Player
+    from graphnav.core.record import LogCursor, Recording
+    from graphnav.watch.player import Player
 
 _EXAMPLES = """\
 examples:
@@ -59,14 +59,14 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.cli.trust import trust_of
     from graphnav.core.notices import print_notice
     from graphnav.core.record import find_log
-    from graphnav.watch.player import PlaybackClock, Player, select_events
-    from graphnav.watch.player.player import HELP
+    from graphnav.watch.player import HELP, Player, select_events
 
     channels = channels_of(args)
     url = url_of(args)
     with opened(find_log(args.log), Catalog(trust_of(args))) as recording:
-        selection = select_events(recording, channels, args.start, args.end)
-        _tell(recording, selection)
+        cursor = select_events(recording, channels, args.start, args.end, loop=args.loop)
+        cursor.set_speed(args.speed)
+        _tell(recording, cursor)
         bus = Bus(url)
         status = StatusLine()
 
@@ -74,17 +74,9 @@ def main(args: argparse.Namespace) -> int:
             status.clear()
             print_notice(text)
 
-        player = Player(
-            selection,
-            recording.at,
-            bus.send,
-            PlaybackClock(args.speed),
-            loop=args.loop,
-            notice=notice,
-            show=lambda: status.show(_status(player, selection)),
-        )
-        what = f"{counted(len(selection.numbers), 'message')} on {counted(len(selection.channels), 'channel')}"
-        length_s = (selection.end_us - selection.begin_us) / 1e6
+        player = Player(cursor, bus.send, notice=notice, show=lambda: status.show(_status(player)))
+        what = f"{counted(len(cursor), 'message')} on {counted(len(cursor.channels), 'channel')}"
+        length_s = (cursor.end_us - cursor.begin_us) / 1e6
         print(f"playing {recording.path}: {what}, {length_s:.1f} s, {args.speed:g}x\n  on {url}", flush=True)
         begin_s = time.monotonic()
         try:
@@ -100,14 +92,14 @@ def main(args: argparse.Namespace) -> int:
     return FAILED if player.n_refused and not player.n_played else OK
 
 
-def _tell(recording: Recording, selection: EventSelection) -> None:
+def _tell(recording: Recording, cursor: LogCursor) -> None:
     """Say what is damaged, and what would move a robot that listens."""
     from graphnav.core.notices import print_notice
     from graphnav.watch.player import motor_channels
 
     if notice := recording.damage_notice():
         print_notice(notice)
-    motors = {channel: ref for channel, ref in motor_channels(recording).items() if channel in selection.channels}
+    motors = {channel: ref for channel, ref in motor_channels(recording).items() if channel in cursor.channels}
     for channel, ref in motors.items():
         name = shown_name(channel)
         print_notice(
@@ -116,12 +108,11 @@ def _tell(recording: Recording, selection: EventSelection) -> None:
         )
 
 
-def _status(player: Player, selection: EventSelection) -> str:
-    pace = player.pace
-    at_us = min(max(pace.at_us, selection.begin_us), selection.end_us)
-    state = "paused " if pace.is_paused else "playing"
+def _status(player: Player) -> str:
+    cursor = player.cursor
+    state = "paused " if cursor.is_paused else "playing"
     behind = f"  {player.behind_s:.1f} s behind" if player.behind_s else ""
     return (
-        f"{state}  {at_us / 1e6:.1f} of {selection.end_us / 1e6:.1f} s  {pace.speed_ratio:g}x  "
+        f"{state}  {cursor.at_us / 1e6:.1f} of {cursor.end_us / 1e6:.1f} s  {cursor.speed_ratio:g}x  "
         f"{counted(player.n_played, 'message')}{behind}"
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from array import array
+import tempfile
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graphnav.core.errors import BusError
-from graphnav.core.record import Event
-from graphnav.watch.player import EventSelection, PlaybackClock, Player
+from graphnav.core.record import ChannelFilter, LogCursor, LogWriter, Recording
+from graphnav.watch.player import Player
 
 LEFT, RIGHT = b"\x1b[D", b"\x1b[C"
 
@@ -41,20 +42,21 @@ class World:
         self.sent.append((round(self.now_s - 100.0, 6), channel))
         self.now_s += self._takes_s
 
-    def player(self, times_s: Sequence[float], speed: float = 1.0, size: int = 0, **options: Any) -> Player:
+    def player(
+        self, times_s: Sequence[float], speed: float = 1.0, size: int = 0, *, loop: bool = False, **options: Any
+    ) -> Player:
         """Return a player of one message at each of the times, named by their places."""
-        at_us = array("q", [round(1e6 * time_s) for time_s in times_s])
-        numbers = array("q", range(len(at_us)))
-        selection = EventSelection(numbers, at_us, frozenset("x"), at_us[0], at_us[-1])
-        return Player(
-            selection,
-            lambda number: Event(str(number), 0, bytes(size)),
-            self.send,
-            PlaybackClock(speed, lambda: self.now_s),
-            notice=self.notices.append,
-            now_s=lambda: self.now_s,
-            **options,
-        )
+        with tempfile.NamedTemporaryFile(suffix=".lcmlog") as file:
+            with LogWriter(Path(file.name)) as writer:
+                writer.write("before", 0, b"")
+                for k, time_s in enumerate(times_s):
+                    writer.write(str(k), round(1e6 * time_s), bytes(size))
+            recording = Recording(file.name)
+        names = ChannelFilter(["before"], invert=True)
+        begin_us = round(1e6 * times_s[0])
+        cursor = LogCursor(recording, names, begin_us, loop=loop, now_s=lambda: self.now_s)
+        cursor.set_speed(speed)
+        return Player(cursor, self.send, notice=self.notices.append, now_s=lambda: self.now_s, **options)
 
 
 @pytest.mark.parametrize("speed", [0.5, 1.0, 3.0])

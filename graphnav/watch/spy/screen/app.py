@@ -61,7 +61,6 @@ class SpyApp(App[None]):
         self._watch = watch
         self._session = Session(watch, catalog, new_painter)
         self._folder = folder
-        self._played_s = 0.0
         self._escape = EscapeFilter()
 
     def get_line_filters(self) -> Sequence[LineFilter]:
@@ -102,18 +101,13 @@ class SpyApp(App[None]):
 
     def action_play(self) -> None:
         """Play the log in real time, from the beginning if it is at the end; or pause."""
-        if not isinstance(self._watch, LogWatch):
-            return
-        self._session.is_playing = not self._session.is_playing
-        if self._session.is_playing and self._watch.at_s >= self._watch.end_s:
-            self._watch.go_to(self._watch.begin_s)
-        self._played_s = time.monotonic()
-        self._show()
+        if isinstance(self._watch, LogWatch):
+            self._watch.toggle()
+            self._show()
 
     def action_step(self, count: int) -> None:
         """Step by messages of the open channel, else by timestamps."""
         if isinstance(self._watch, LogWatch):
-            self._session.is_playing = False
             screen = self.screen
             self._watch.step(screen.channel_name if isinstance(screen, ChannelScreen) else None, count)
             self._show()
@@ -121,7 +115,7 @@ class SpyApp(App[None]):
     def action_skip(self, seconds: float) -> None:
         """Step by seconds."""
         if isinstance(self._watch, LogWatch):
-            self._watch.go_to(self._watch.at_s + seconds)
+            self._watch.skip(seconds)
             self._show()
 
     def action_record(self) -> None:
@@ -151,12 +145,8 @@ class SpyApp(App[None]):
             self.notify(str(path), title="saved", markup=False)
 
     def _play_on(self) -> None:
-        if not self._session.is_playing or not isinstance(self._watch, LogWatch):
-            return
-        now_s = time.monotonic()
-        self._watch.go_to(self._watch.at_s + now_s - self._played_s)
-        self._played_s = now_s
-        self._session.is_playing = self._watch.at_s < self._watch.end_s
+        if isinstance(self._watch, LogWatch) and self._watch.is_playing:
+            self._watch.advance()
 
     def _show(self) -> None:
         """Update the screen immediately."""

@@ -18,8 +18,7 @@ from graphnav.watch.spy.watch.moment import Moment
 class Session:
     """One use of the full-screen spy.
 
-    ``is_frozen``: the view is frozen, while messages are still received. ``is_playing``: a log is playing.
-    ``new_painter`` creates the painter of a view.
+    ``is_frozen``: the view is frozen, while messages are still received. ``new_painter`` creates the painter of a view.
     """
 
     def __init__(self, watch: LiveWatch | LogWatch, catalog: Catalog, new_painter: Callable[[], Painter]) -> None:
@@ -29,12 +28,15 @@ class Session:
         self.new_painter = new_painter
         self.has_colour = not os.environ.get("NO_COLOR")
         self.moment.with_colour = self.has_colour
-        self.is_frozen = self.is_playing = False
+        self.is_frozen = False
 
     def heading(self) -> Text:
         """Return the description of the feed and of the view."""
         text = Text("graphnav spy  ", "bold") + Text(self.watch.heading())
-        for is_so, word in ((self.is_frozen, "FROZEN"), (self.is_playing, "PLAYING")):
+        for is_so, word in (
+            (self.is_frozen, "FROZEN"),
+            (isinstance(self.watch, LogWatch) and self.watch.is_playing, "PLAYING"),
+        ):
             if is_so:
                 text.append("  ")
                 text.append(f" {word} ", "bold reverse")

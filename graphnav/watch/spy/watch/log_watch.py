@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import threading
-from array import array
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from graphnav.core.record import LogCursor
 from graphnav.watch.spy.feed import Feed, Received
 from graphnav.watch.spy.traffic import ChannelTraffic, Traffic
 from graphnav.watch.spy.watch.row import Row, row_of
@@ -20,7 +21,8 @@ _MAX_RECENT_BYTES = 4_000_000
 class LogWatch:
     """The channels of a log, and the newest message of each at the time ``at_s``, initially the log's end.
 
-    The table covers the complete log, and is filled while a thread reads it.
+    The table covers the complete log, and is filled while a thread reads it. The time moves while it plays, at each
+    call of `advance`.
 
     Raises LogError if the log cannot be read.
     """
@@ -34,9 +36,11 @@ class LogWatch:
         self._traffic = Traffic(None)
         self._lock = threading.Lock()
         self._closing = threading.Event()
-        self._times: dict[str, array[float]] = {}
-        self._all_times: array[float] = array("d")
-        self._at_s: float | None = None
+        self._n_read = 0
+        self._read_s = self.begin_s
+        self._cursor = LogCursor(self._recording)
+        self._cursor.pause()
+        self._seek(self._cursor.end_us)
         self._thread = threading.Thread(target=self._read, name="graphnav spy log", daemon=True)
 
     def start(self) -> None:
@@ -53,7 +57,7 @@ class LogWatch:
     @property
     def version(self) -> object:
         """The current time, and the number of events read."""
-        return self._at_s, len(self._all_times)
+        return self.at_s, self._n_read
 
     @property
     def origin_s(self) -> float:
@@ -66,38 +70,45 @@ class LogWatch:
         return self._recording.begin_us / 1e6
 
     @property
-    def end_s(self) -> float:
-        """The stamp of the newest event that was read, seconds."""
-        return self._all_times[-1] if self._all_times else self.begin_s
-
-    @property
     def at_s(self) -> float:
         """The current time."""
-        return self.end_s if self._at_s is None else self._at_s
+        return self.begin_s + self._cursor.at_us / 1e6
 
-    def go_to(self, at_s: float) -> None:
-        """Move to another time, within the log."""
-        self._at_s = min(max(at_s, self.begin_s), self.end_s)
+    @property
+    def is_playing(self) -> bool:
+        """Whether the time moves."""
+        return not self._cursor.is_paused
+
+    def toggle(self) -> None:
+        """Play in real time, from the beginning if it is at the end; or pause."""
+        if self.is_playing:
+            self._cursor.pause()
+            return
+        if self._cursor.is_at_end:
+            self._cursor.seek(0)
+        self._cursor.resume()
+
+    def advance(self) -> None:
+        """Move on, and pause at the end."""
+        self._cursor.due()
+        if self._cursor.is_at_end:
+            self._cursor.pause()
+
+    def skip(self, seconds: float) -> None:
+        """Move by seconds, within the log."""
+        self._seek(self._cursor.at_us + seconds * 1e6)
 
     def step(self, name: str | None, count: int) -> None:
-        """Step by ``count`` messages of a channel, or by timestamps of all channels if ``name`` is None."""
-        with self._lock:
-            times = self._all_times if name is None else self._times.get(name)
-            if not times:
-                return
-            at_s = self.at_s
-            if count > 0:
-                place = bisect_right(times, at_s) + count - 1
-            else:
-                place = bisect_left(times, at_s) + count
-                while name is None and place > 0 and times[place] == times[place - 1]:
-                    place -= 1
-            self._at_s = times[min(max(place, 0), len(times) - 1)]
+        """Pause, and step by ``count`` messages of a channel, or by timestamps of all channels if ``name`` is None."""
+        self._cursor.pause()
+        if name is None or name in self._recording.index.channels:
+            self._cursor.step(count, name)
+            self._cursor.due()
 
     def rows(self) -> list[Row]:
         """Return the channels, in log order."""
         with self._lock:
-            now_s, at_s = self.end_s, self.at_s
+            now_s, at_s = self._read_s, self.at_s
             return [self._row(channel, now_s, at_s) for channel in self._traffic.channels.values()]
 
     def channel(self, name: str) -> ChannelTraffic | None:
@@ -106,17 +117,18 @@ class LogWatch:
 
     def newest(self, name: str) -> Sample | None:
         """Return the newest message of a channel at the current time."""
-        place = self._place(name)
-        return None if place is None else self._sample(name, place)
+        numbers = self._cursor.newest(name)
+        return self._sample(numbers[-1]) if numbers else None
 
     def recent(self, name: str, after_s: float) -> list[Sample]:
         """Return the last messages of a channel between ``after_s`` and the current time: at most 600, or 4 MB."""
-        place = self._place(name)
-        if place is None:
+        numbers = self._cursor.newest(name, KEPT_MESSAGES)
+        if not numbers:
             return []
-        max_messages = min(KEPT_MESSAGES, _MAX_RECENT_BYTES // (len(self._sample(name, place).data) + 1) + 1)
-        first = max(place + 1 - max_messages, bisect_right(self._times[name], after_s, 0, place + 1))
-        return [self._sample(name, index) for index in range(first, place + 1)]
+        newest = self._recording.index[numbers[-1]]
+        max_messages = _MAX_RECENT_BYTES // (newest.stop - newest.start + 1) + 1
+        first = max(len(numbers) - max_messages, bisect_right(numbers, after_s, key=self._time_s))
+        return [self._sample(number) for number in numbers[first:]]
 
     def names_of(self, lcm_class: type) -> list[str]:
         """Return the channels that carry a type."""
@@ -128,17 +140,17 @@ class LogWatch:
         channel = self.channel(name) if name is not None else None
         if channel is None:
             return "" if self._traffic.channels or self._thread.is_alive() else f"{self.name} is empty"
-        if not channel.count:
+        numbers: Sequence[int] = self._recording.index.channels.get(channel.name, ())
+        if not numbers:
             return "announced, but not recorded: the log holds none of its messages"
-        place = self._place(channel.name)
-        if place is None:
-            return f"its first message is at {self._times[channel.name][0] - self.begin_s:.2f} s"
+        if not self._cursor.newest(channel.name):
+            return f"its first message is at {self._cursor.time_us(numbers[0]) / 1e6:.2f} s"
         return why_empty(channel, 0.0)
 
     def heading(self) -> str:
         """Return a line about the log, the current time, and missing data."""
         parts = [self.name, f"{len(self._traffic.channels)} channels"]
-        parts.append(f"at {self.at_s - self.begin_s:.2f} of {self.end_s - self.begin_s:.2f} s")
+        parts.append(f"at {self._cursor.at_us / 1e6:.2f} of {self._cursor.end_us / 1e6:.2f} s")
         if self._thread.is_alive():
             parts.append("reading")
         if self._traffic.overflow:
@@ -151,25 +163,22 @@ class LogWatch:
         for event in self._recording.events():
             if self._closing.is_set():
                 return
-            at_s = event.utime / 1e6
             with self._lock:
-                self._traffic.receive(Received(event.channel, event.data, at_s))
-                if event.channel in self._traffic.channels:
-                    self._times.setdefault(event.channel, array("d")).append(at_s)
-                    self._all_times.append(at_s)
+                self._read_s = event.utime / 1e6
+                self._traffic.receive(Received(event.channel, event.data, self._read_s))
+                self._n_read += 1
+
+    def _seek(self, at_us: float) -> None:
+        self._cursor.seek(at_us)
+        self._cursor.due()
 
     def _row(self, channel: ChannelTraffic, now_s: float, at_s: float) -> Row:
-        row = row_of(channel, now_s, 0.0, None)
-        times = self._times.get(channel.name)
-        place = bisect_right(times, at_s) if times else 0
-        return replace(row, age_s=at_s - times[place - 1] if times and place else None)
+        numbers = self._cursor.newest(channel.name)
+        age_s = max(0.0, at_s - self._time_s(numbers[-1])) if numbers else None
+        return replace(row_of(channel, now_s, 0.0, None), age_s=age_s)
 
-    def _place(self, name: str) -> int | None:
-        """Return the index of the newest message of a channel at the current time, None before the first."""
-        with self._lock:
-            times = self._times.get(name)
-            place = bisect_right(times, self.at_s) if times else 0
-        return place - 1 if place else None
+    def _time_s(self, number: int) -> float:
+        return self.begin_s + self._cursor.time_us(number) / 1e6
 
-    def _sample(self, name: str, index: int) -> Sample:
-        return Sample(self._times[name][index], self._recording.event(name, index).data)
+    def _sample(self, number: int) -> Sample:
+        return Sample(self._time_s(number), self._recording.at(number).data)

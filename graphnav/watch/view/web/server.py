@@ -149,7 +149,7 @@ def _apply(log: LogSource, command: LogCommand, channel: str | None) -> None:
             case "step":
                 log.step(1 if command.value > 0 else -1, channel)
             case "speed" if command.value in SPEEDS:
-                log.speed_ratio = command.value
+                log.set_speed(command.value)
 
 
 def _response(
