@@ -2,8 +2,8 @@
 
 import sys
 
+from graphnav.core.interrupts import end_at_interrupt
 from graphnav.core.machine.leftover_threads import end_despite_threads
-from graphnav.core.machine.start_up import end_at_interrupt
 
 
 def main() -> int:

@@ -21,8 +21,6 @@ DOORS = {
     "graphnav/core/render/html_templates.py": "escapes what templates show",
     "graphnav/studies/ablation/worker/__main__.py": "prints tracebacks to the streams that escape",
     "graphnav/core/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
-    "graphnav/core/interrupts/third_party.py": "restores the streams that a plugin has replaced",
-    "graphnav/core/runner/stage_calls.py": "restores the streams that a stage has replaced",
     "graphnav/core/machine/leftover_threads.py": "runs after the commands, and escapes the names of threads",
     "graphnav/core/cli/status_line.py": "rewrites a line, and escapes what it shows",
     "graphnav/core/cli/lasting_output.py": "the streams below those that escape",

@@ -1,7 +1,7 @@
 """Attack graphnav: ``python tools/attack.py [KIND ...]`` spoils files by chance and reads them with its commands.
 
-Runs are disturbed, too: by hostile messages on their group, by signals, by disks that become full, by stages and
-plugins that misbehave in every method, and, live, by spoiled copies of the messages on their own channels.
+Runs are disturbed, too: by hostile messages on their group, by signals, by disks that become full, and, live, by
+spoiled copies of the messages on their own channels. Plugins that the user names are trusted and not among that.
 
 Wrong is: a traceback, an exception that escapes, a command that takes more than 10 s or 500 MB (check: 2 s and 300 MB;
 what it waits for a processor does not count) or does not end, an exit status other than 0, 1 and 2, a failure without
@@ -25,7 +25,6 @@ from attacks.command_process import CommandProcess
 from attacks.disturbed_runs import hostile_messages, signals
 from attacks.full_disks import full_disks
 from attacks.live_side import live_side
-from attacks.misbehaving_stages import misbehaving_stages
 from attacks.own_process import command_line, outcome_of
 from attacks.spoiled_files import KINDS
 from attacks.verdict import MAX_S, Outcome, faults
@@ -34,10 +33,10 @@ N_SHORT, N_LONG, N_COMMANDS = 60, 5000, 200
 """Spoiled files of each kind, and how many of them in a long attack are read by a command line of its own."""
 N_LONG_OF = {"logs": 2000, "options": 2000, "python": 2000}
 """Of kinds that take longer, or are no files, in a long attack."""
-MESSAGES, SIGNALS, DISKS, STAGES, LIVE = "messages", "signals", "disks", "stages", "live"
-COUNTS = {MESSAGES: (20_000, 1_000_000), SIGNALS: (5, 300), DISKS: (6, 120), STAGES: (12, 1000), LIVE: (1, 20)}
-"""Hostile messages, runs to which signals are sent, disks that become full, misbehaving stages (at most all) and live
-robots, of a short and of a long attack."""
+MESSAGES, SIGNALS, DISKS, LIVE = "messages", "signals", "disks", "live"
+COUNTS = {MESSAGES: (20_000, 1_000_000), SIGNALS: (5, 300), DISKS: (6, 120), LIVE: (1, 20)}
+"""Hostile messages, runs to which signals are sent, disks that become full, and live robots, of a short and of a long
+attack."""
 _ALL = (*KINDS, *COUNTS)
 _MAX_TOLD, _TOLD_EVERY = 5, 500
 
@@ -111,8 +110,6 @@ def disturb(kind: str, n: int | None, seed: int, *, is_long: bool) -> int:
             found = list(signals(scratch, count, seed))
         elif kind == DISKS:
             found = list(full_disks(scratch, count, seed))
-        elif kind == STAGES:
-            found = list(misbehaving_stages(scratch, count))
         else:
             found = list(live_side(scratch, count, seed))
     what = f"{kind}: {count} sent beside {len(found)} runs" if kind == MESSAGES else f"{kind}: {len(found)} tried"

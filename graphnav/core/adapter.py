@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from graphnav.core.codec import add_type
 from graphnav.core.errors import DeclarationError, one_line, shown_value
-from graphnav.core.interrupts import USER_ENDS, third_party_code
+from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message
 
 
@@ -111,7 +111,7 @@ def _made(origin: str, given: Any) -> Adapter:
         try:
             with third_party_code():
                 adapter = given()
-        except USER_ENDS:
+        except CtrlC:
             raise
         except BaseException as error:
             raise DeclarationError(f"{origin}: {given.__name__}() raises {one_line(error)}") from error

@@ -29,7 +29,7 @@ from graphnav.core.errors import (
     raised_line,
     shown_value,
 )
-from graphnav.core.interrupts import USER_ENDS, third_party_code
+from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message, snake_case
 from graphnav.core.stage import Port, Role, Source, Stage, former_names, metrics_of, params_of, ports_of
 from graphnav.core.trust import Trust, read_plugin
@@ -185,7 +185,7 @@ class Catalog:
             try:
                 with third_party_code():
                     module = point.load()
-            except USER_ENDS:
+            except CtrlC:
                 raise
             except BaseException as error:
                 what = f"family '{family}' cannot be imported from {origin}: {one_line(error)}"
@@ -214,7 +214,7 @@ class Catalog:
             if file in files:
                 return known
         module = _import_file(path, source)
-        family = self.called(str(path), "FAMILY", lambda: getattr(module, "FAMILY", path.stem))
+        family = getattr(module, "FAMILY", path.stem)
         if not isinstance(family, str) or not _NAME.fullmatch(family):
             raise CatalogError(
                 f"plugin {path}: {shown_value(family)} cannot be a family: it must match {_NAME.pattern}",
@@ -234,16 +234,13 @@ class Catalog:
         if (family, origin) in self._registered:
             return
         if not self._plugins.is_registered(module):
-            name = f"{family}: {origin}"
-            self.called(origin, "its module", lambda: self._plugins.register(module, name=name))
             try:
+                self._plugins.register(module, name=f"{family}: {origin}")
                 self._plugins.check_pending()
             except pluggy.PluginValidationError as error:
                 raise CatalogError(f"{origin}: {message_line(error)}") from error
         self._adapters = None
-        stages = self.called(
-            origin, "its stages", lambda: {snake_case(cls.__name__): cls for cls in self._stages_of(module, origin)}
-        )
+        stages = {snake_case(cls.__name__): cls for cls in self._stages_of(module, origin)}
         if family == ADAPTERS and stages:
             raise CatalogError(f"{origin}: the family '{ADAPTERS}' is reserved", "give its stages another family")
         for name in stages:
@@ -286,10 +283,8 @@ class Catalog:
         try:
             with third_party_code():
                 return call()
-        except (CatalogError, *USER_ENDS):
+        except (CatalogError, CtrlC):
             raise
-        except pluggy.PluginValidationError as error:
-            raise CatalogError(f"{origin}: {message_line(error)}") from error
         except BaseException as error:
             what = f"{origin}: {name} failed: {one_line(error)}"
             raise CatalogError(what, fix_the_plugin(error), error) from error
@@ -374,7 +369,7 @@ def _import_file(path: Path, source: bytes | None) -> ModuleType:
         code = spec.loader.source_to_code(read_plugin(path) if source is None else source, str(path))
         with third_party_code():
             exec(code, module.__dict__)  # noqa: S102 - the plugin, which the user named or trusts
-    except USER_ENDS:
+    except CtrlC:
         raise
     except BaseException as error:
         raise CatalogError(_import_failure(error, path), raised=error) from error

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Literal
 
-from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.interrupts import CtrlC
 
 _MAX_LINE = 1000
 """The longest line that is made of what a plugin raised or returned, characters."""
@@ -248,8 +248,8 @@ def shown_value(value: object) -> str:
 def _converted(convert: Callable[[object], str], value: object) -> str:
     """Return ``convert(value)``, which may be a plugin's code; a remark if it raises."""
     try:
-        return str.__str__(convert(value))
-    except USER_ENDS:
+        return convert(value)
+    except CtrlC:
         raise
     except BaseException as error:  # noqa: BLE001 - a plugin's code
         return f"(its __{convert.__name__}__ raises {type(error).__name__})"

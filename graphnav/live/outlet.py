@@ -10,7 +10,7 @@ from graphnav.core.bus import Bus
 from graphnav.core.codec import codec_of
 from graphnav.core.errors import BusError, one_line
 from graphnav.core.graph import OutputChannel, stop_fields
-from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.interrupts import CtrlC
 from graphnav.core.messages import Message
 from graphnav.core.runner.durations import Durations
 from graphnav.live.clock import LiveClock
@@ -78,7 +78,7 @@ def adapted(target: OutputChannel, message: Message, utime: int) -> bytes:
     assert target.adapter is not None
     try:
         return codec_of(target.lcm_class).encode(target.adapter.to_lcm(message, utime))
-    except USER_ENDS:
+    except CtrlC:
         raise
     except BaseException as error:
         raise ValueError(f"{type(target.adapter).__name__}: {one_line(error)}") from error

@@ -12,12 +12,12 @@ from graphnav.core.bus import same_group
 from graphnav.core.codec import encode
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph
+from graphnav.core.interrupts import Interrupt
 from graphnav.core.lcm_url import live_url
 from graphnav.core.messages import Status
 from graphnav.core.notices import print_notice
 from graphnav.core.record import ABOUT, LOG, ThreadedLogWriter
 from graphnav.core.runner.engine import Outcome, Sink
-from graphnav.core.runner.interrupt import Interrupt
 from graphnav.core.runner.recording.kept_messages import ChannelsExcept, kept, open_log
 from graphnav.core.runner.recording.live_about import live_about
 from graphnav.core.runner.recording.recorded_run import Measured, RecordedRun
@@ -72,7 +72,7 @@ def run_live(
 
     def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
         run.begin(stages, keep, notice, calls, cleanup)
-        run.perform(on_time, interrupt, lambda: interrupt.poll() or should_stop())
+        run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
 
     return run.record.conduct(run_with, stall, {})
 

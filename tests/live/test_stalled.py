@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sysconfig
 from pathlib import Path
@@ -13,32 +12,33 @@ import pytest
 from graphnav import Recording
 from graphnav.core.record import LOG
 
-TOOLS = Path(__file__).parents[2] / "tools"
-ZOO = TOOLS / "attacks" / "zoo_stages.py"
+PLUGIN = Path(__file__).parents[1] / "core" / "runner" / "misbehaving.py"
+GRAPH = """
+stages:
+  c: {use: odd.clock}
+  b: {use: odd.faulty, with: {kind: %s, method: step}, in: {twist: c.twist}}
+"""
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
 
 @pytest.mark.parametrize(
-    ("use", "said"),
+    ("kind", "said"),
     [
-        ("sleeper", "step did not return within 1 s of wall time; given twist of 'c.twist'"),
-        ("animal, with: {kind: ctrl_c, method: step}", "KeyboardInterrupt"),
-        ("animal, with: {kind: exit_0, method: step}", "SystemExit: 0"),
+        ("hang", "step did not return within 1 s of wall time; given twist of 'c.twist'"),
+        ("ctrl_c", "KeyboardInterrupt"),
+        ("exit_0", "SystemExit: 0"),
     ],
 )
 def test_a_live_run_ends_with_the_stage_its_log_and_its_summary(
-    tmp_path: Path, group: str, use: str, said: str
+    tmp_path: Path, group: str, kind: str, said: str
 ) -> None:
-    graph = tmp_path / "graph.yaml"
-    graph.write_text(f"stages:\n  c: {{use: zoo.clock}}\n  b: {{use: zoo.{use}, in: {{twist: c.twist}}}}\n")
-    command = [str(GRAPHNAV), "run", "graph.yaml", "--plugin", str(ZOO), "--no-tap", "--no-pictures", "-o", "out"]
+    (tmp_path / "graph.yaml").write_text(GRAPH % kind)
+    command = [str(GRAPHNAV), "run", "graph.yaml", "--plugin", str(PLUGIN), "--no-tap", "--no-pictures", "-o", "out"]
     command += ["--live", "--url", group, "--stall-s", "1"]
-    done = subprocess.run(
-        command, capture_output=True, text=True, check=False, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(TOOLS)}
-    )
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["cause"] == f"stage 'b' (zoo.{use.partition(',')[0]}) failed: {said}"
+    assert summary["cause"] == f"stage 'b' (odd.faulty) failed: {said}"
     assert summary["failure"] in done.stderr
     assert "Traceback" not in done.stderr
     with Recording(tmp_path / "out" / LOG) as log:

@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 from graphnav.core.cli.lasting_output import ReaderLeftError, lasting_output
 from graphnav.core.cli.status import FAILED, INTERRUPTED, OK, PIPE_CLOSED, USER_ERROR
-from graphnav.core.interrupts import ctrl_c_not_lost
+from graphnav.core.interrupts import CtrlC, ctrl_c_not_lost, end_at_interrupt, raise_at_interrupt
 from graphnav.core.machine.escaped_output import escaped_output
 from graphnav.core.machine.pins import unpin
 from graphnav.core.machine.single_thread import ONE_THREAD
-from graphnav.core.machine.start_up import end_at_interrupt, raise_at_interrupt
 from graphnav.core.rooms import in_room, rooms
 
 if TYPE_CHECKING:
@@ -180,7 +179,7 @@ def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> i
     """Run a command; print the error that ends it."""
     from graphnav.core.errors import GraphnavError, ParamError, UserError
 
-    args = argparse.Namespace()
+    args, n_raised = argparse.Namespace(), CtrlC.n_raised
     try:
         args = _parsed(words, chosen)
         args.words, args.owns_process = words, owns_process
@@ -214,7 +213,7 @@ def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> i
         print(f"stopped: {error.strerror or error}{where}", file=sys.stderr)
         return FAILED
     except Exception as error:
-        if not _is_after_ctrl_c(error):
+        if n_raised == CtrlC.n_raised and not _is_after_ctrl_c(error):
             raise
         print("stopped", file=sys.stderr)
         return INTERRUPTED

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from graphnav.core.errors import GraphnavError, Place, Problem, UserError
-from graphnav.core.machine.start_up import ended_by_interrupt
+from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.notices import print_notice
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from graphnav.core.errors import ParamError, Problem, UserError, fix_the_plugin, one_line
 from graphnav.core.graph.node import Channel, InputChannel, Node, OutputChannel
-from graphnav.core.interrupts import USER_ENDS, third_party_code
+from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.machine.instruction_set import require_portable
 from graphnav.core.spec import RunOptions
 from graphnav.core.stage import Metric, Stage, metrics_of, params_of, tell_readers
@@ -116,7 +116,7 @@ class Graph:
                     stages[node.name] = stage = node.stage_class(**node.params)
                     tell_readers(stage, (port for port, channel in node.outputs.items() if channel.ref in read))
                     stage.check()
-            except USER_ENDS:
+            except CtrlC:
                 raise
             except BaseException as error:  # noqa: BLE001 - a plugin's constructor may raise anything
                 problems.extend(_problems(node, error))

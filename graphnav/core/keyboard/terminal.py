@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import os
 import select
-import signal
 import termios
 from contextlib import suppress
-from types import FrameType, TracebackType
-from typing import Any, NoReturn, Self
-
-from graphnav.core.interrupts import Terminated
+from types import TracebackType
+from typing import Any, Self
 
 _LFLAG, _IFLAG, _CC = 3, 0, 6
 _CHUNK = 4096
@@ -20,18 +17,15 @@ _CHUNK = 4096
 class Terminal:
     """A context in which keys arrive one by one, without echo; Ctrl-Z, Ctrl-S and the key of SIGQUIT do nothing.
 
-    Ctrl-C still raises KeyboardInterrupt; SIGTERM and SIGHUP raise SystemExit, so that the terminal is restored
-    however the program ends, except by SIGKILL.
+    Ctrl-C still raises KeyboardInterrupt. The terminal is restored however a command ends, except by SIGKILL.
     """
 
     def __init__(self, fd: int) -> None:
         self._fd = fd
         self._found: list[Any] = []
-        self._handlers: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
         self._found = termios.tcgetattr(self._fd)
-        self._handlers = {number: signal.signal(number, _end) for number in (signal.SIGTERM, signal.SIGHUP)}
         single = termios.tcgetattr(self._fd)
         single[_LFLAG] &= ~(termios.ICANON | termios.ECHO)
         single[_IFLAG] &= ~termios.IXON
@@ -52,8 +46,6 @@ class Terminal:
         with suppress(termios.error):  # it may have been closed
             termios.tcflush(self._fd, termios.TCIFLUSH)  # pending keys are not meant for the shell
             termios.tcsetattr(self._fd, termios.TCSANOW, self._found)
-        for number, handler in self._handlers.items():
-            signal.signal(number, handler)
 
     def read(self, timeout_s: float) -> bytes | None:
         """Return the bytes typed, empty after the timeout, None once the terminal is closed."""
@@ -63,7 +55,3 @@ class Terminal:
             return os.read(self._fd, _CHUNK) or None
         except OSError:
             return None
-
-
-def _end(number: int, _frame: FrameType | None) -> NoReturn:
-    raise Terminated(128 + number)

@@ -19,9 +19,6 @@ class EscapedStream:
     def __getattr__(self, name: str) -> Any:
         return getattr(self.unescaped, name)
 
-    def close(self) -> None:
-        """Stay open: what a plugin closes is still printed to."""
-
     def write(self, text: str) -> int:
         """Write a string; return its length."""
         self.unescaped.write(printable(text))

@@ -11,7 +11,7 @@ import numpy as np
 from graphnav.arrays import Bytes
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import DrawingError, GraphnavError, one_line, raised_line
-from graphnav.core.interrupts import USER_ENDS, third_party_code
+from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message
 from graphnav.core.pictures.context import PictureContext
 
@@ -54,7 +54,7 @@ def drawing() -> Iterator[None]:
     try:
         with third_party_code():
             yield
-    except (GraphnavError, *USER_ENDS):
+    except (GraphnavError, CtrlC):
         raise
     except BaseException as error:
         if isinstance(error, OSError) and error.errno in _REFUSED:

@@ -1,9 +1,7 @@
-"""The call into a stage that is in progress, as another thread sees it, and what it may not leave behind."""
+"""The call into a stage that is in progress, as another thread sees it."""
 
 from __future__ import annotations
 
-import os
-import sys
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -15,35 +13,22 @@ _HELD_S = 0.01
 
 
 class StageCalls:
-    """Notes every call into a stage of a run, and undoes after it what the call did to the process.
-
-    ``mark`` gets stage, method and stamp before the call.
-    """
+    """Notes every call into a stage of a run; ``mark`` gets stage, method and stamp before the call."""
 
     def __init__(self, mark: Callable[[str, str, int], None] | None = None) -> None:
         self.current: Call | None = None
         """The call in progress, None between two calls."""
         self._mark = mark
         self._is_held = False
-        self._process = os.getpid()
-        self._streams = sys.stdout, sys.stderr
 
     def begin(self, stage: str, method: str, utime: int, inputs: Mapping[str, Any]) -> None:
         """Note that a call begins."""
         if self._mark is not None:
             self._mark(stage, method, utime)
-        self._streams = sys.stdout, sys.stderr
         self.current = stage, method, utime, inputs, time.monotonic()
 
     def end(self) -> None:
-        """Note that the call has ended; does not return while another thread ends the run.
-
-        Standard output and error are what they were before the call. A copy of the process that the call made by a fork
-        ends here, since there would be two runs that write one log.
-        """
-        if os.getpid() != self._process:
-            os._exit(1)
-        sys.stdout, sys.stderr = self._streams
+        """Note that the call has ended; does not return while another thread ends the run."""
         self.current = None
         while self._is_held:
             time.sleep(_HELD_S)

@@ -10,7 +10,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from graphnav.core.codec import not_finite
 from graphnav.core.errors import GraphnavError, StageError, failure_line, one_line, raised_line, shown_value
 from graphnav.core.graph import Channel, Node
-from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.interrupts import CtrlC
 from graphnav.core.messages import Message
 from graphnav.core.runner.durations import Durations
 from graphnav.core.runner.stage_calls import StageCalls
@@ -89,10 +89,10 @@ class Unit(Generic[I]):
         begin = perf_counter()
         try:
             result = self._step(**inputs)
-        except USER_ENDS:
+        except CtrlC:
             raise
         except Finished as finished:
-            outcome, result = self._ending(utime, finished)
+            outcome, result = finished.outcome, finished.outputs
         except BaseException as error:
             raise self._failure(utime, failure_line(error), error) from error
         finally:
@@ -113,7 +113,7 @@ class Unit(Generic[I]):
         self._calls.begin(self.node.name, method, self.last_utime, {})
         try:
             yield
-        except USER_ENDS:
+        except CtrlC:
             raise
         except BaseException as error:
             what = f"{method}: {one_line(error)}" if said is None else said(error)
@@ -143,15 +143,6 @@ class Unit(Generic[I]):
         with self.calling("patience_s", (self.last_utime - self.start_utime) / 1e6):
             return float(self.stage.patience_s())
 
-    def _ending(self, utime: int, finished: Finished) -> tuple[str, Any]:
-        """Return the outcome and the outputs with which a source ends the run; a subclass may hold anything."""
-        try:
-            return Finished(finished.outcome, finished.outputs).outcome, finished.outputs
-        except USER_ENDS:
-            raise
-        except BaseException as error:
-            raise self._failure(utime, failure_line(error), error) from error
-
     def _publish_all(self, utime: int, result: Any) -> None:
         """Publish the outputs, which may be objects of the plugin's own classes: what they raise is the stage's."""
         where = "outputs"
@@ -162,7 +153,7 @@ class Unit(Generic[I]):
                 if message is not None:
                     self._check(utime, port, message)
                     self._publish(channel, stamp, message)
-        except (GraphnavError, OSError, *USER_ENDS):  # a failure, or of the log and the network
+        except (GraphnavError, OSError, CtrlC):  # a failure, or of the log and the network
             raise
         except BaseException as error:
             raise self._failure(utime, f"{where}: {failure_line(error)}", error) from error

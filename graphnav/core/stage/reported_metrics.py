@@ -35,20 +35,18 @@ def reported_metrics(stage: Stage) -> dict[str, float]:
 
 
 def _values(stage: Stage, declared: Collection[str]) -> dict[str, float]:
-    """Return what a stage's summary holds, as floats; no more is read than is declared."""
+    """Return what a stage's summary holds, as floats."""
     summary: Any = stage.summary()
     what = f"summary() of {type(stage).__qualname__}"
     if not isinstance(summary, Mapping):
         raise DeclarationError(f"{what} returns {type(summary).__name__}: return a mapping of metrics by name")
     values: dict[str, float] = {}
     for name, value in summary.items():
-        if type(name) is not str:
+        if not isinstance(name, str):
             raise DeclarationError(f"{what} has the key {shown_value(name)}: name each metric by a string")
         if name not in declared:
             shown = shown_value(name)
             raise DeclarationError(f"{what} returns {shown}, which it does not declare: add Metric({shown}, ...)")
-        if name in values:
-            raise DeclarationError(f"{what} gives {shown_value(name)} twice: return a dict")
         if not isinstance(value, SupportsFloat):
             raise DeclarationError(f"{what} gives '{name}' as {shown_value(value)}: give a number, or leave it out")
         values[name] = float(value)

@@ -12,7 +12,7 @@ from pathlib import Path
 from graphnav.core.codec import codec_of, fingerprint, type_named
 from graphnav.core.codec.layout import PRIMITIVES, hide_prefix
 from graphnav.core.errors import Place, Problem, UserError, one_line
-from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.interrupts import CtrlC
 from graphnav.core.typeinfo.definition_source import DefinitionSource, read_definition
 from graphnav.core.typeinfo.definitions import definition_files
 from graphnav.core.typeinfo.generated_module import GeneratedModule, read_generated
@@ -97,7 +97,7 @@ def _import_all(modules: Mapping[str, GeneratedModule], folder: Path, prefix: st
             found[name] = lcm_class = getattr(module, name.rpartition(".")[2])
             codec_of(lcm_class)
             fingerprint(lcm_class)
-    except USER_ENDS:
+    except CtrlC:
         raise
     except BaseException as error:  # names of fields may clash with members of the class
         what = f"Python cannot hold the type {name}: {one_line(error)}"

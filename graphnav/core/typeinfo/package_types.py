@@ -11,7 +11,7 @@ from types import ModuleType
 
 from graphnav.core.codec import lcm_name
 from graphnav.core.errors import Place, UserError, one_line
-from graphnav.core.interrupts import USER_ENDS, third_party_code
+from graphnav.core.interrupts import CtrlC, third_party_code
 
 _HEADERS = (b'"""LCM type definitions', b'"""LCM package __init__.py')
 """The beginnings of files written by lcm-gen; other modules of a package are not imported."""
@@ -46,7 +46,7 @@ def _import(name: str) -> ModuleType:
             hint = "name a folder of .lcm files, or a package written by lcm-gen -p; set PYTHONPATH to find others"
             raise UserError.of(what, hint, Place("--types")) from error
         raise _broken(name, error) from error
-    except USER_ENDS:
+    except CtrlC:
         raise
     except BaseException as error:
         raise _broken(name, error) from error

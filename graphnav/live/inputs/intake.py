@@ -11,7 +11,7 @@ import numpy as np
 from graphnav.core.codec import DecodeError, codec_of, fields_of, fingerprint, lcm_name, type_of
 from graphnav.core.errors import failure_line
 from graphnav.core.graph import InputChannel
-from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.interrupts import CtrlC
 from graphnav.core.messages import FieldError, Message
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.packet_sources import PacketSources
@@ -113,7 +113,7 @@ class Intake:
         if not self.source.channel.message.many_writers:
             try:
                 utime, seq = self._utime(fields), fields.get("seq")
-            except USER_ENDS:
+            except CtrlC:
                 raise
             except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
                 self.monitor.unread += 1
@@ -152,7 +152,7 @@ class Intake:
                 message = source.adapter.from_lcm(fields)
                 kind = type(message).__name__
             rejection = self._rejection(message)
-        except USER_ENDS:
+        except CtrlC:
             raise
         except BaseException as error:  # noqa: BLE001 - third-party adapter, untrusted bytes
             rejection = UNREADABLE, error

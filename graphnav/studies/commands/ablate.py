@@ -20,7 +20,7 @@ from graphnav.core.cli.options import (
 )
 from graphnav.core.cli.status import INTERRUPTED, OK
 from graphnav.core.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
-from graphnav.core.machine.start_up import ended_by_interrupt
+from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.notices import print_notice
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from graphnav.core.cli.options import add_plugin_option, add_portable_option, ad
 from graphnav.core.cli.quantities import counted
 from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.core.errors import Problem, UserError
-from graphnav.core.machine.start_up import ended_by_interrupt
+from graphnav.core.interrupts import ended_by_interrupt
 
 if TYPE_CHECKING:
     from graphnav.core.machine.console import Console

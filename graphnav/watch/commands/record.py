@@ -23,7 +23,7 @@ from graphnav.core.cli.status_line import StatusLine
 from graphnav.core.errors import Place, UserError
 
 if TYPE_CHECKING:
-    from graphnav.core.runner.interrupt import Interrupt
+    from graphnav.core.interrupts import Interrupt
     from graphnav.watch.recorder import Recorder
 
 _LOOK_S = 0.1
@@ -66,9 +66,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.codec import lcm_text_of
+    from graphnav.core.interrupts import Interrupt
     from graphnav.core.lcm_url import lcm_url
     from graphnav.core.notices import print_notice
-    from graphnav.core.runner.interrupt import Interrupt
     from graphnav.watch.commands.record_summary import print_recorded
     from graphnav.watch.recorder import buffer_notice
 

@@ -9,7 +9,7 @@ from graphnav.core.adapter import Adapter
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import lcm_name, message_class_of
 from graphnav.core.errors import CatalogError
-from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.interrupts import CtrlC
 from graphnav.core.messages import Message
 
 
@@ -34,7 +34,7 @@ class MessageTypes:
             if adapter is not None:
                 return adapter.from_lcm(fields)
             return wrapper.from_lcm_fields(fields) if wrapper is not None else None
-        except USER_ENDS:
+        except CtrlC:
             raise
         except BaseException:  # noqa: BLE001 - an adapter of a plugin, and bytes of any program
             return None

@@ -86,12 +86,6 @@ def test_a_stage_that_does_not_close_is_broken_off(tmp_path: Path, number: int) 
     assert_recorded(tmp_path / "out", "stopped")
 
 
-def test_the_timer_of_a_stage_does_not_end_its_run(tmp_path: Path) -> None:
-    done = run(tmp_path, "reset", signal.SIGALRM)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert_recorded(tmp_path / "out", "timeout")
-
-
 def assert_recorded(folder: Path, outcome: str) -> None:
     """See that log and summary are complete."""
     assert json.loads((folder / "summary.json").read_text())["outcome"] == outcome

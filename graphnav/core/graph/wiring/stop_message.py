@@ -10,7 +10,7 @@ from graphnav.core.codec import EncodeError, codec_of
 from graphnav.core.errors import message_line, one_line
 from graphnav.core.graph.node import OutputChannel
 from graphnav.core.graph.wiring.wire_type import WireType
-from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.interrupts import CtrlC
 from graphnav.core.messages import Twist
 
 
@@ -45,7 +45,7 @@ def why_no_stop(wire: WireType, stop: Mapping[str, Any] | None) -> str:
         codec_of(wire.lcm_class).encode(stop_fields(wire, stop))
     except EncodeError as error:
         return f"its stop is not a {wire.name}: {message_line(error)}"
-    except USER_ENDS:
+    except CtrlC:
         raise
     except BaseException as error:  # noqa: BLE001 - a plugin's adapter may raise anything
         return f"its adapter does not turn Twist(0, 0) into a {wire.name}: {one_line(error)}"

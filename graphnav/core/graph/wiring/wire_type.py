@@ -8,7 +8,7 @@ from graphnav.core.adapter import Adapter, Adapters
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import codec_of, lcm_name, message_class_of, message_types, type_named
 from graphnav.core.errors import CatalogError, did_you_mean, one_line
-from graphnav.core.interrupts import USER_ENDS, third_party_code
+from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message
 
 
@@ -99,7 +99,7 @@ def _installed(name: str, adapters: Adapters) -> type:
     try:
         with third_party_code():
             lcm_class = type_named(name)
-    except USER_ENDS:
+    except CtrlC:
         raise
     except BaseException as error:
         raise CatalogError(
@@ -118,7 +118,7 @@ def _installed(name: str, adapters: Adapters) -> type:
 def _compile(name: str, lcm_class: type) -> None:
     try:
         codec_of(lcm_class)
-    except USER_ENDS:
+    except CtrlC:
         raise
     except BaseException as error:
         raise CatalogError(f"'{name}' is not what lcm-gen makes: {one_line(error)}", "run lcm-gen again") from error

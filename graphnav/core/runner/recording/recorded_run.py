@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph
-from graphnav.core.interrupts import CtrlC, working_folder_restored
+from graphnav.core.interrupts import CtrlC, Interrupt, working_folder_restored
 from graphnav.core.runner.engine import Engine, Outcome
-from graphnav.core.runner.interrupt import Interrupt
 from graphnav.core.runner.recording.failures import Failures
 from graphnav.core.runner.recording.progress_file import ProgressFile
 from graphnav.core.runner.recording.stall import StallLimit, StallWatch, stall_error

@@ -13,11 +13,11 @@ from typing import Protocol
 from graphnav.core.codec import encode, lcm_name, lcm_text_of
 from graphnav.core.errors import GraphnavError, UserError
 from graphnav.core.graph import Graph, resolved_yaml
+from graphnav.core.interrupts import Interrupt
 from graphnav.core.messages import About
 from graphnav.core.record import ABOUT, LOG
 from graphnav.core.record.threaded_writer import Log
 from graphnav.core.runner.engine import Outcome, Sink, Spans
-from graphnav.core.runner.interrupt import Interrupt
 from graphnav.core.runner.lockstep import Lockstep
 from graphnav.core.runner.recording.full_log import FullLog
 from graphnav.core.runner.recording.kept_messages import kept, open_log, record_option
@@ -103,7 +103,7 @@ def run_recorded(
         run.clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
         run.begin(stages, keep, cleanup, spans, calls, full)
         forecast = _forecast(graph, keep, run.writer, run.folder, notice)
-        run.perform(forecast, on_tick, interrupt.poll)
+        run.perform(forecast, on_tick, lambda: interrupt.asked)
 
     return run.record.conduct(run_with, stall, {node.name: node.use for node in graph.nodes})
 

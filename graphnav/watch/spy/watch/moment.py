@@ -12,7 +12,7 @@ from graphnav.core.adapter import Adapter
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of, message_class_of, type_of
 from graphnav.core.errors import CatalogError, one_line
-from graphnav.core.interrupts import USER_ENDS
+from graphnav.core.interrupts import CtrlC
 from graphnav.core.messages import Message, State
 from graphnav.core.pictures import PictureContext
 from graphnav.watch.spy.watch.watch import Watch
@@ -64,7 +64,7 @@ class Moment:
             return None
         try:
             return self._readers[lcm_class].from_lcm(values)
-        except USER_ENDS:
+        except CtrlC:
             raise
         except BaseException as error:
             raise ValueError(one_line(error)) from error
