@@ -116,7 +116,7 @@ class OutputKeys(Record):
 
 
 class QueueKeys(Record):
-    """What waits at an input of a stage: every complete set of it fires, live."""
+    """The messages that wait at an input of a stage: every complete set of them fires, live."""
 
     noun = "a queue"
     named = "the queue of '{}'"

@@ -97,7 +97,7 @@ class RunKeys(Record):
 
     @property
     def log(self) -> LogKeys:
-        """What it says of the log."""
+        """The selection and rotation of the log."""
         return self.record if isinstance(self.record, LogKeys) else LogKeys(keep=self.record)
 
     @property

@@ -91,7 +91,7 @@ class Names:
     pattern: str
     """A regular expression."""
     what: str = ""
-    """What messages say that another one cannot be: "a stage's name"; empty where only a JSON Schema refuses it."""
+    """Noun in messages for what another one cannot be: "a stage's name"; empty where only a JSON Schema refuses it."""
     hint: str = ""
 
 
@@ -164,7 +164,7 @@ def key(
     name
         The key, where Python has no such name for a field.
     missing
-        What messages say of the mapping if a required key is not given: "does not say what it uses".
+        Said in messages of the mapping if a required key is not given: "does not say what it uses".
     pattern
         A regular expression of its strings, for a JSON Schema alone: what uses them tells more precisely what is wrong.
     not_empty
