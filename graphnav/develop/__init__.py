@@ -9,4 +9,4 @@ COMMANDS = {
     "doctor": "check this machine, and what a graph needs of it; print the commands that fix problems",
     "completion": "print the script that makes bash, zsh or fish complete commands and names with TAB",
 }
-"""Every command of this room and its help; ``commands/<command>.py`` has ``add_arguments`` and ``main``."""
+"""Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""

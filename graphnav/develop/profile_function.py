@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import get_args
 
-from graphnav.core.api.arguments import PathLike, wrong_type
+from graphnav.core.api.arguments import PathLike, check_choice
 from graphnav.core.api.load import loaded, with_run_options
 from graphnav.core.api.notices import tell
 from graphnav.core.api.one_thread import one_thread
-from graphnav.core.api.open_tap import TapMode, check_tap, open_tap
-from graphnav.core.api.parameters import documented
+from graphnav.core.api.open_tap import open_tap
+from graphnav.core.api.parameters import OF_RUN, TAP, TapMode
 from graphnav.core.api.result_folder import new_folder
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import UserError
 from graphnav.core.graph import Graph
+from graphnav.core.parameters import documented
 from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.run_recorded import new_run_id
 from graphnav.core.trust import Trust
+from graphnav.develop.parameters import CLOCK, FUNCTIONS, Clock
 from graphnav.develop.profiling import NothingMeasuredError, Profile, functions_missing, measure, refuse_live
-from graphnav.develop.profiling.profile import Clock
 
 
-@documented
+@documented(*OF_RUN, CLOCK, FUNCTIONS)
 def profile(
     graph: PathLike | Graph,
     *,
@@ -50,9 +50,8 @@ def profile(
     KeyboardInterrupt
         Ctrl-C, or a notebook's stop button, ended the run.
     """
-    check_tap(tap)
-    if clock not in get_args(Clock):
-        raise wrong_type("clock", clock, '"wall" or "cpu"', 'write clock="cpu" on a machine that does other work')
+    check_choice(tap, TAP)
+    check_choice(clock, CLOCK)
     checked = with_run_options(
         loaded(graph, set, plugins, Catalog(Trust(runs_all=trust))), {"seed": seed, "until_s": until_s}
     )

@@ -5,4 +5,4 @@ COMMANDS = {
     "pub": "publish a message, once or at a rate",
     "teleop": "drive by keyboard: a dead man's twist, and a latching stop",
 }
-"""Every command of this room and its help; ``commands/<command>.py`` has ``add_arguments`` and ``main``."""
+"""Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""

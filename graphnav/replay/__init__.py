@@ -3,4 +3,4 @@
 COMMANDS = {
     "replay": "step the stages of a recorded run again, with swaps, and compare with the recorded messages",
 }
-"""Every command of this room and its help; ``commands/<command>.py`` has ``add_arguments`` and ``main``."""
+"""Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""

@@ -13,4 +13,4 @@ COMMANDS = {
     "top": "show the health of running graphs: rates, latencies, drops, state of the guard",
     "view": "serve a page, or Foxglove, that shows a running graph or a log",
 }
-"""Every command of this room and its help; ``commands/<command>.py`` has ``add_arguments`` and ``main``."""
+"""Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""

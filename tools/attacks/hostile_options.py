@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import os
 import random
 from collections.abc import Iterator
 from functools import cache
 
 from attacks.spoil import hostile
-from graphnav.core.cli import commands
+from graphnav.core.cli import command_called
 
 _LOG = "good"
 _BRIEF = ("--for", "0.3")
@@ -79,8 +78,5 @@ def _word(drawn: random.Random) -> str:
 
 @cache
 def _options_of(command: str) -> list[argparse.Action]:
-    parser = argparse.ArgumentParser()
-    _, package = commands()[command]
-    importlib.import_module(f"{package}.{command.replace('-', '_')}").add_arguments(parser)
-    actions = parser._actions  # noqa: SLF001 - a parser does not tell them otherwise
-    return [action for action in actions if action.option_strings and action.dest != "help"]
+    actions = command_called(command).declare(argparse.ArgumentParser())
+    return [action for action in actions if action.option_strings]

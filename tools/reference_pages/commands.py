@@ -1,11 +1,11 @@
-"""The page of the commands, from their argument parsers."""
+"""The page of the commands, from the declarations of their parameters."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
 
-from graphnav.core.cli import build_parser, commands
+from graphnav.core.cli import command_called, commands
 from reference_pages.markdown import bullets, code, page
 
 _INTRO = """\
@@ -30,25 +30,15 @@ def commands_page() -> str:
 
 
 def _section(name: str) -> str:
-    parser = _parser_of(name)
-    words = [action for action in parser._actions if not action.option_strings]  # noqa: SLF001
-    options = [
-        action
-        for action in parser._actions  # noqa: SLF001
-        if action.option_strings and action.dest != "help" and action.help != argparse.SUPPRESS
-    ]
+    text, _ = commands()[name]
+    parser = argparse.ArgumentParser(f"graphnav {name}")
+    actions = [action for action in command_called(name).declare(parser) if action.help != argparse.SUPPRESS]
+    words = [action for action in actions if not action.option_strings]
+    options = [action for action in actions if action.option_strings]
     usage = " ".join(["graphnav", name, *(["[OPTIONS]"] if options else []), *map(_word, words)])
-    parts = [f"## {name}", parser.description or "", f"```\n{usage}\n```"]
+    parts = [f"## {name}", f"{text[0].upper()}{text[1:]}.", f"```\n{usage}\n```"]
     parts += [bullets(_line(action, parser) for action in (*words, *options)), *_epilog(parser)]
     return "\n\n".join(part for part in parts if part)
-
-
-def _parser_of(name: str) -> argparse.ArgumentParser:
-    for action in build_parser(name)._actions:  # noqa: SLF001
-        if isinstance(action, argparse._SubParsersAction):  # noqa: SLF001
-            found: argparse.ArgumentParser = action.choices[name]
-            return found
-    raise LookupError(name)
 
 
 def _word(action: argparse.Action) -> str:

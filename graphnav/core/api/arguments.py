@@ -1,4 +1,4 @@
-"""Check arguments of the Python interface: errors name the argument, its value and what to write."""
+"""Check arguments of the Python interface by their declarations: errors name argument, value and what to write."""
 
 from __future__ import annotations
 
@@ -10,16 +10,18 @@ from typing import TypeVar
 
 import numpy as np
 
+from graphnav.core.api.parameters import SET
 from graphnav.core.errors import Place, UserError
 from graphnav.core.graph import Override, Target
+from graphnav.core.parameters import Integer, Parameter
 
 T = TypeVar("T")
 
 PathLike = str | os.PathLike[str]
 
 
-def path_of(value: object, name: str, example: str) -> Path:
-    """Return a path.
+def path_of(value: object, parameter: Parameter, index: str = "") -> Path:
+    """Return a path; ``index`` of its place in a list: ``[0]``.
 
     Raises
     ------
@@ -27,11 +29,12 @@ def path_of(value: object, name: str, example: str) -> Path:
         It is not a string or a path, or empty.
     """
     if not isinstance(value, str | os.PathLike) or not (text := os.fspath(value)) or not isinstance(text, str):
-        raise wrong_type(name, value, "a path", f'write {name}="{example}"')
+        name = f"{parameter.name}{index}"
+        raise wrong_type(name, value, "a path", f"write {name}={parameter.example}")
     return Path(text)
 
 
-def paths_of(values: object, name: str, example: str) -> tuple[Path, ...]:
+def paths_of(values: object, parameter: Parameter) -> tuple[Path, ...]:
     """Return several paths.
 
     Raises
@@ -39,12 +42,10 @@ def paths_of(values: object, name: str, example: str) -> tuple[Path, ...]:
     UserError
         It is not a list of strings or paths.
     """
-    return tuple(
-        path_of(value, f"{name}[{number}]", example) for number, value in enumerate(_listed(values, name, example))
-    )
+    return tuple(path_of(value, parameter, f"[{number}]") for number, value in enumerate(_listed(values, parameter)))
 
 
-def texts_of(values: object, name: str, example: str) -> tuple[str, ...]:
+def texts_of(values: object, parameter: Parameter) -> tuple[str, ...]:
     """Return several strings.
 
     Raises
@@ -52,11 +53,43 @@ def texts_of(values: object, name: str, example: str) -> tuple[str, ...]:
     UserError
         It is not a list of strings.
     """
-    found = tuple(_listed(values, name, example))
+    found = tuple(_listed(values, parameter))
     for number, value in enumerate(found):
         if not isinstance(value, str):
-            raise wrong_type(f"{name}[{number}]", value, "a string", f'write {name}=["{example}"]')
+            hint = f"write {parameter.name}=[{parameter.example}]"
+            raise wrong_type(f"{parameter.name}[{number}]", value, "a string", hint)
     return tuple(map(str, found))
+
+
+def check_text(value: object, parameter: Parameter, wanted: str = "a string or None") -> None:
+    """Raise UserError for a value that is neither a string nor None."""
+    if value is not None and not isinstance(value, str):
+        raise wrong_type(parameter.name, value, wanted, parameter.hint)
+
+
+def check_number(value: object, parameter: Parameter) -> None:
+    """Raise UserError for a value that is neither a number nor None."""
+    if value is not None and (isinstance(value, bool) or not isinstance(plain(value, parameter.name), int | float)):
+        raise wrong_type(parameter.name, value, "a number or None", parameter.hint)
+
+
+def check_integer(value: object, parameter: Parameter, index: str = "") -> None:
+    """Raise UserError for a value that is not an integer within the parameter's bounds; ``index`` as in `path_of`."""
+    bounds = parameter.type
+    assert isinstance(bounds, Integer)
+    if isinstance(value, bool) or not isinstance(value, int) or not bounds.minimum <= value <= bounds.maximum:
+        name = f"{parameter.name}{index}"
+        is_large = isinstance(value, int) and value > bounds.maximum
+        wanted = f"at most {bounds.maximum}" if is_large else f"an integer of at least {bounds.minimum}"
+        raise wrong_type(name, value, wanted, f"write {name}={parameter.example}")
+
+
+def check_choice(value: object, parameter: Parameter) -> None:
+    """Raise UserError for a value that the parameter does not offer."""
+    choices = parameter.choices or ()
+    if value not in choices:
+        *others, last = (f'"{choice}"' for choice in choices)
+        raise wrong_type(parameter.name, value, f"{', '.join(others)} or {last}", parameter.hint)
 
 
 def overrides_of(values: object) -> tuple[Override, ...]:
@@ -67,15 +100,14 @@ def overrides_of(values: object) -> tuple[Override, ...]:
     UserError
         It is not a mapping, a key is not a target, or a graph cannot hold a value.
     """
-    hint = 'write set={"plane": "plane.affine", "robot.noise_sigma_gray": 3}'
     if values is None:
         return ()
     if not isinstance(values, Mapping):
-        raise wrong_type("set", values, "a mapping", hint)
+        raise wrong_type("set", values, "a mapping", SET.hint)
     found = []
     for target, value in values.items():
         if not isinstance(target, str) or not target or "=" in target:
-            raise UserError.of(f"set: {target!r} is not a stage, a parameter or a wire", hint)
+            raise UserError.of(f"set: {target!r} is not a stage, a parameter or a wire", SET.hint)
         place = Place(f"set[{target!r}]")
         found.append(Override(Target.parse(target, place), yaml_value(value, place.file), place))
     return tuple(found)
@@ -139,9 +171,9 @@ def wrong_type(name: str, value: object, wanted: str, hint: str) -> UserError:
     return UserError.of(f"{name} must be {wanted}, not {said}", hint)
 
 
-def _listed(values: object, name: str, example: str) -> Iterable[object]:
+def _listed(values: object, parameter: Parameter) -> Iterable[object]:
     if isinstance(values, str | os.PathLike | Mapping) or not isinstance(values, Iterable):
-        raise wrong_type(name, values, "a list", f'write {name}=["{example}"]')
+        raise wrong_type(parameter.name, values, "a list", f"write {parameter.name}=[{parameter.example}]")
     return values
 
 

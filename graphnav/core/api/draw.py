@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 from graphnav.core.api.arguments import PathLike
 from graphnav.core.api.load import loaded
-from graphnav.core.api.parameters import documented
+from graphnav.core.api.parameters import LOADED
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph
+from graphnav.core.parameters import documented
 from graphnav.core.render import dot_of, mermaid_of, svg_of, text_of
 from graphnav.core.trust import Trust
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 _COLOURS = ("cyan", "magenta", "green", "yellow", "blue", "red", "bright_cyan", "bright_magenta", "bright_green")
 
 
-@documented
+@documented(*LOADED)
 def draw(
     graph: PathLike | Graph,
     *,

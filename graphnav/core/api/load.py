@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.core.api.arguments import PathLike, overrides_of, path_of, paths_of, plain
-from graphnav.core.api.parameters import documented
+from graphnav.core.api.parameters import GRAPH, LOADED, PLUGINS
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import ParamError, Problem, UserError
 from graphnav.core.graph import Graph, Override, RunOptions, load_graph
+from graphnav.core.parameters import documented
 from graphnav.core.stage import params_of
 from graphnav.core.trust import Trust
 
 
-@documented
+@documented(*LOADED)
 def load(
     graph: PathLike | Graph,
     *,
@@ -36,7 +37,7 @@ def load(
     return checked
 
 
-@documented
+@documented(*LOADED)
 def check(
     graph: PathLike | Graph,
     *,
@@ -54,10 +55,10 @@ def check(
     UserError
         An argument has a wrong type.
     """
-    overrides, files = overrides_of(set), paths_of(plugins, "plugins", "my_stage.py")
+    overrides, files = overrides_of(set), paths_of(plugins, PLUGINS)
     if isinstance(graph, Graph):
         _refuse_changes(overrides, files)
-    name = None if isinstance(graph, Graph) else path_of(graph, "graph", "corridor_ccw")
+    name = None if isinstance(graph, Graph) else path_of(graph, GRAPH)
     try:
         found = (
             graph
@@ -83,11 +84,11 @@ def loaded(
     UserError
         All errors of the graph.
     """
-    overrides, files = overrides_of(sets), paths_of(plugins, "plugins", "my_stage.py")
+    overrides, files = overrides_of(sets), paths_of(plugins, PLUGINS)
     if isinstance(graph, Graph):
         _refuse_changes(overrides, files)
         return graph
-    name = path_of(graph, "graph", "corridor_ccw")
+    name = path_of(graph, GRAPH)
     return load_with(add_plugins(catalog, files), str(name), overrides, files)
 
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, get_args
 
-from graphnav.core.api.arguments import wrong_type
+from graphnav.core.api.parameters import TapMode
 from graphnav.core.errors import GraphnavError
 from graphnav.core.lcm_url import tap_url
 from graphnav.core.tap import Tap
-
-TapMode = Literal["thin", "full", "none"]
 
 
 def open_tap(
@@ -27,9 +24,3 @@ def open_tap(
     except GraphnavError as error:
         tell(f"no tap: {error}")
         return None
-
-
-def check_tap(tap: object) -> None:
-    """Raise UserError for an argument that is not a mode of the tap."""
-    if tap not in get_args(TapMode):
-        raise wrong_type("tap", tap, '"thin", "full" or "none"', 'write tap="thin" to watch with graphnav spy')

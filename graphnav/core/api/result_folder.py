@@ -9,7 +9,9 @@ import weakref
 from pathlib import Path
 
 from graphnav.core.api.arguments import PathLike, path_of
+from graphnav.core.api.parameters import FOLDER
 from graphnav.core.errors import UserError
+from graphnav.core.parameters import Parameter
 
 
 class KeptFolder:
@@ -38,15 +40,15 @@ def temporary_folder() -> KeptFolder:
         ) from error
 
 
-def named_folder(given: PathLike) -> KeptFolder:
-    """Return a folder that may hold what an earlier call left.
+def named_folder(given: PathLike, declared: Parameter) -> KeptFolder:
+    """Return a folder that may hold what an earlier call left; ``declared``: the parameter.
 
     Raises
     ------
     UserError
         ``given`` is not a path.
     """
-    return KeptFolder(path_of(given, "folder", "ablations/1").absolute(), is_temporary=False)
+    return KeptFolder(path_of(given, declared).absolute(), is_temporary=False)
 
 
 def new_folder(given: PathLike | None) -> KeptFolder:
@@ -59,7 +61,7 @@ def new_folder(given: PathLike | None) -> KeptFolder:
     """
     if given is None:
         return temporary_folder()
-    path = path_of(given, "folder", "runs/1")
+    path = path_of(given, FOLDER)
     hint = "choose another folder"
     try:
         if path.exists() and not path.is_dir():

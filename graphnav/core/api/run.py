@@ -7,19 +7,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav.core.api.arguments import PathLike, plain, wrong_type
+from graphnav.core.api.arguments import PathLike, check_choice, check_number, check_text
 from graphnav.core.api.execute import execute, runs_live
 from graphnav.core.api.finished_run import Run
 from graphnav.core.api.load import add_plugins, loaded, with_run_options
 from graphnav.core.api.notices import tell
 from graphnav.core.api.one_thread import one_thread
-from graphnav.core.api.open_tap import TapMode, check_tap, open_tap
-from graphnav.core.api.parameters import documented
+from graphnav.core.api.open_tap import open_tap
+from graphnav.core.api.parameters import LIVE_URL, OF_RUN, PACE, TAP, TapMode
 from graphnav.core.api.result_folder import new_folder
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph
 from graphnav.core.lcm_url import live_url
+from graphnav.core.parameters import documented
 from graphnav.core.record import LOG
 from graphnav.core.report.pictures import draw_all
 from graphnav.core.runner import Outcome
@@ -32,7 +33,7 @@ _drawing = threading.Lock()
 """Matplotlib's settings are global: runs in several threads draw one after another."""
 
 
-@documented
+@documented(*OF_RUN)
 def run(
     graph: PathLike | Graph,
     *,
@@ -70,7 +71,9 @@ def run(
     GraphnavError
         A file cannot be written.
     """
-    _check_arguments(pace, tap, url)
+    check_number(pace, PACE)
+    check_choice(tap, TAP)
+    check_text(url, LIVE_URL)
     catalog = Catalog(Trust(runs_all=True))
     checked = with_run_options(
         loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s, "record": record}
@@ -120,15 +123,6 @@ def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *
             raise KeyboardInterrupt
         drawn = _draw(catalog, graph, kept.path, full) if draws and summary.frames else ()
     return Run(graph, summary, kept, drawn, errors[0] if errors else None)
-
-
-def _check_arguments(pace: object, tap: object, url: object) -> None:
-    """Raise UserError for arguments of a wrong type."""
-    if pace is not None and (isinstance(pace, bool) or not isinstance(plain(pace, "pace"), int | float)):
-        raise wrong_type("pace", pace, "a number or None", "write pace=1 for wall time")
-    check_tap(tap)
-    if url is not None and not isinstance(url, str):
-        raise wrong_type("url", url, "a string or None", 'write url="udpm://239.255.76.67:7667?ttl=0"')
 
 
 def _draw(catalog: Catalog, graph: Graph, folder: Path, full: FullLog) -> Sequence[Path]:

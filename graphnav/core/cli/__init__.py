@@ -8,7 +8,7 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from graphnav.core.rooms import in_room, rooms
 
 if TYPE_CHECKING:
     from graphnav.core.errors import UserError
+    from graphnav.core.parameters import Candidates, Command, Completer
 
 COMMANDS = {
     "run": "run a graph into a run folder: log, summary, pictures",
@@ -30,7 +31,7 @@ COMMANDS = {
     "stages": "list the installed stages, describe one, or list what writes and reads a message",
     "trust": "list, trust or revoke the folders whose plugin files may run when their graphs are read",
 }
-"""The core's commands and their help; the module ``graphnav.core.cli.<command>`` has ``add_arguments`` and ``main``."""
+"""The core's commands and their help; ``main`` of the module ``graphnav.core.cli.<command>`` is the `Command`."""
 
 _ORDER = (
     "run",
@@ -132,9 +133,11 @@ class _Intermixed(_Parser):
 
 
 def build_parser(
-    chosen: str | None, command_class: type[argparse.ArgumentParser] = _Intermixed
+    chosen: str | None,
+    command_class: type[argparse.ArgumentParser] = _Intermixed,
+    completer: Callable[[Candidates], Completer] | None = None,
 ) -> argparse.ArgumentParser:
-    """Return the parser; only the ``chosen`` command's module is imported and its options added."""
+    """Return the parser; only the ``chosen`` command's module is imported and its parameters added."""
     from graphnav import __version__
 
     parser = _Parser(
@@ -142,13 +145,20 @@ def build_parser(
     )
     parser.add_argument("--version", action="version", version=f"graphnav {__version__}")
     subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", parser_class=command_class)
-    for name, (text, package) in commands().items():
+    for name, (text, _) in commands().items():
         sub = subparsers.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         if name == chosen:
-            module = importlib.import_module(f"{package}.{name.replace('-', '_')}")
-            module.add_arguments(sub)
-            sub.set_defaults(main=module.main)
+            run = command_called(name)
+            run.declare(sub, completer)
+            sub.set_defaults(main=run)
     return parser
+
+
+def command_called(name: str) -> Command:
+    """Return an installed command, from the module of its name."""
+    _, package = commands()[name]
+    found: Command = importlib.import_module(f"{package}.{name.replace('-', '_')}").main
+    return found
 
 
 def commands() -> dict[str, tuple[str, str]]:
@@ -286,7 +296,7 @@ def _complete() -> None:
     """Answer the shell that asks what can follow; does not return."""
     completion = in_room("develop.completion")
     chosen = completion.completed_command()
-    completion.complete(build_parser(chosen, argparse.ArgumentParser), chosen)
+    completion.complete(build_parser(chosen, argparse.ArgumentParser, completion.completer))
 
 
 def _show_what_the_terminal_can() -> None:

@@ -7,27 +7,30 @@ import sys
 from collections.abc import Sized
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import add_graph_options, add_verbose_option, load, notices_of
+from graphnav.core.api.parameters import GRAPH, PLUGINS, SET, TRUST
+from graphnav.core.cli.options import VERBOSE, load, notices_of
 from graphnav.core.cli.status import FAILED, OK
 from graphnav.core.errors import Place, Problem, UserError
+from graphnav.core.parameters import command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.cli.tables import TextTable
     from graphnav.core.graph import Channel, Graph, Node
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    add_graph_options(parser, nargs="+")
-    add_verbose_option(parser, "print the swaps that its own files make, and the traceback of what a plugin raises")
-    parser.add_argument(
+@command(
+    GRAPH.but(nargs="+"),
+    SET,
+    PLUGINS,
+    TRUST,
+    VERBOSE.but(help="print the swaps that its own files make, and the traceback of what a plugin raises"),
+    flag(
+        "resolved",
         "--resolved",
-        action="store_true",
-        help="print the graph with everything it extends, every swap and every parameter; it loads from any folder, "
+        "print the graph with everything it extends, every swap and every parameter; it loads from any folder, "
         "with --plugin where its plugins are in another one",
-    )
-
-
+    ),
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command: load each graph, construct its stages, and let each check its files and devices.
 

@@ -6,23 +6,24 @@ import argparse
 import sys
 from pathlib import Path
 
-from graphnav.core.cli.options import add_graph_options, load
+from graphnav.core.api.parameters import LOADED
+from graphnav.core.cli.options import load
 from graphnav.core.cli.status import OK
 from graphnav.core.errors import UserError
+from graphnav.core.parameters import Parameter, command
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    add_graph_options(parser)
-    parser.add_argument(
+@command(
+    *LOADED,
+    Parameter(
+        "format",
         "--format",
         choices=("text", "svg", "mermaid", "dot"),
         default="text",
         help="boxes in the terminal (default), or the input of another program",
-    )
-    parser.add_argument("-o", dest="file", type=Path, metavar="FILE", help="output file (default: the terminal)")
-
-
+    ),
+    Parameter("file", "-o", type=Path, metavar="FILE", help="output file (default: the terminal)"),
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.api.draw import Drawing

@@ -1,4 +1,4 @@
-"""Parse and format quantities: ``100MB``, ``12.3s``, ``1 message``."""
+"""Parse the values of options: ``100MB``, ``12.3s``, a rate, a channel; format ``1 message``."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ import math
 import re
 from typing import TYPE_CHECKING
 
+from graphnav.core.parameters import MAX_S
+
 if TYPE_CHECKING:
     from graphnav.core.record.log_files import Split
 
-MAX_S = 1e9
-"""The longest time that is parsed: 30 years."""
+MAX_FACTOR = 1e6
+"""The maximum of rates, speeds and factors that options take; the inverse is the minimum."""
 MAX_BYTES = 1e18
+_MAX_PORT_DIGITS = 5
 _PREFIXES = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
 _SIZE = re.compile(r"([0-9.]+) *([kmgt]?)(i?)b", re.IGNORECASE)
 _TIME = re.compile(r"([0-9.]+) *(s|min|h)?")
@@ -40,6 +43,45 @@ def log_time(text: str) -> float:
     if number * _SECONDS[found[2]] > MAX_S:
         raise argparse.ArgumentTypeError(f"'{text}' is longer than {MAX_S:g} s")
     return number * _SECONDS[found[2]]
+
+
+def period(text: str) -> float:
+    """Parse a period above 0, ``0.5s``, into seconds."""
+    if (value := log_time(text)) >= 1e-6:
+        return value
+    raise argparse.ArgumentTypeError(f"'{text}' is not a time above 0: write 0.5s")
+
+
+def positive(text: str) -> float:
+    """Parse a rate or a factor: a number above 0, within `MAX_FACTOR` and its inverse."""
+    try:
+        if 1 / MAX_FACTOR <= (value := float(text)) <= MAX_FACTOR:
+            return value
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0, from {1 / MAX_FACTOR:g} to {MAX_FACTOR:g}")
+
+
+def channel_name(text: str) -> str:
+    """Parse the name of a channel: accepted by LCM and not reserved."""
+    from graphnav.core.graph.wiring.channels import MAX_NAME, RESERVED
+
+    if not text or not text.isascii() or not text.isprintable() or " " in text:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} cannot be the name of a channel: use ASCII characters without spaces"
+        )
+    if len(text) > MAX_NAME:
+        raise argparse.ArgumentTypeError(f"'{text}' has {len(text)} characters, but LCM takes at most {MAX_NAME}")
+    if text.startswith(RESERVED):
+        raise argparse.ArgumentTypeError(f"channel names that begin with '{RESERVED}' are reserved: '{text}'")
+    return text
+
+
+def port_number(text: str) -> int:
+    """Parse a TCP port."""
+    if text.isdecimal() and text.isascii() and len(text) <= _MAX_PORT_DIGITS and int(text) < 65536:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is not a port: write a number from 0 to 65535")
 
 
 def split(text: str) -> Split:

@@ -9,19 +9,24 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import (
-    FailureReport,
-    add_graph_options,
-    add_portable_option,
-    add_run_options,
-    add_verbose_option,
-    load,
-    notices_of,
-    seconds,
+from graphnav.core.api.parameters import (
+    FOLDER,
+    GRAPH,
+    LIVE,
+    LIVE_URL,
+    PACE,
+    PLUGINS,
+    RECORD,
+    SEED,
+    SET,
+    TAP,
+    UNTIL_S,
 )
+from graphnav.core.cli.options import JSON, PORTABLE, VERBOSE, FailureReport, load, notices_of
 from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.core.errors import DrawingError, shown_name
 from graphnav.core.notices import print_notice
+from graphnav.core.parameters import Parameter, command, flag, seconds
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
@@ -32,61 +37,32 @@ if TYPE_CHECKING:
     from graphnav.core.stage import Stage
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    add_graph_options(parser, runs=True)
-    add_run_options(parser)
-    add_portable_option(parser)
-    parser.add_argument(
-        "--pace",
-        type=float,
-        metavar="X",
-        help="speed relative to wall time; 1 to watch (default: as fast as possible)",
-    )
-    parser.add_argument(
-        "--live",
-        action="store_true",
-        help="run in wall time, on LCM channels of other programs; implied by a graph with inputs",
-    )
-    parser.add_argument(
-        "--url",
-        metavar="URL",
-        help="LCM URL of live inputs and outputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
-    )
-    parser.add_argument(
-        "-o", dest="folder", type=Path, metavar="DIR", help="run folder, new or empty (default: runs/…)"
-    )
-    parser.add_argument(
-        "--tap",
-        choices=("thin", "full", "none"),
-        default="thin",
-        help="copies for viewers on this machine: messages thinned to one packet, full messages, or none",
-    )
-    parser.add_argument("--no-tap", dest="tap", action="store_const", const="none", help="the same as --tap none")
-    parser.add_argument(
+@command(
+    GRAPH,
+    SET,
+    PLUGINS,
+    SEED,
+    UNTIL_S,
+    PORTABLE,
+    PACE,
+    LIVE,
+    LIVE_URL,
+    FOLDER,
+    TAP.but(default="thin"),
+    Parameter("tap", "--no-tap", action="store_const", const="none", help="the same as --tap none"),
+    Parameter(
+        "stall_s",
         "--stall-s",
         type=seconds,
         metavar="S",
         help="end the run if one call into a stage takes longer than S seconds of wall time (default: never)",
-    )
-    _add_record_option(parser)
-    parser.add_argument("--video", action="store_true", help="also draw video.mp4")
-    parser.add_argument(
-        "--no-pictures", action="store_true", help="do not draw pictures; 'graphnav figure' can draw them later"
-    )
-    parser.add_argument("--json", action="store_true", help="print the summary as JSON instead of text")
-    add_verbose_option(parser, "print every metric, what each stage did, and the traceback of a failure")
-
-
-def _add_record_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--record",
-        choices=("all", "replayable", "small"),
-        help="what the log keeps: all messages; replayable: those from which 'figure', 'export', 'spy', 'view' and "
-        "'replay' make the rest again; small: those below 4 kB (default: the graph's, else replayable; live small)",
-    )
-
-
+    ),
+    RECORD,
+    flag("video", "--video", "also draw video.mp4"),
+    flag("no_pictures", "--no-pictures", "do not draw pictures; 'graphnav figure' can draw them later"),
+    JSON.but(help="print the summary as JSON instead of text"),
+    VERBOSE.but(help="print every metric, what each stage did, and the traceback of a failure"),
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.api.execute import runs_live
@@ -99,7 +75,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.runner.recording.run_recorded import new_run_id
     from graphnav.core.runner.recording.summary import SUMMARY
 
-    catalog, graph = load(args)
+    catalog, graph = load(args, runs=True)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
     live_notice = _live_notice(args, graph) if is_live else ""
     stages = graph.make_stages()

@@ -8,9 +8,11 @@ import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.cli.options import add_plugin_option, catalog_of
+from graphnav.core.api.parameters import PLUGINS
+from graphnav.core.cli.options import JSON, catalog_of
 from graphnav.core.cli.status import OK
 from graphnav.core.errors import shown_name
+from graphnav.core.parameters import Parameter, command
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
@@ -23,18 +25,17 @@ _MIN_COLS_OF_PORTS = 110
 """A narrower terminal shows only what each stage is."""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.add_argument(
+@command(
+    Parameter(
         "name",
         metavar="NAME",
         nargs="?",
         help="a stage (plane.ica), a family (plane), or a message (LocalMap): what writes and reads it; default: all",
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
-    add_plugin_option(parser)
-
-
+        offers="stages",
+    ),
+    JSON.but(help="print JSON instead of tables"),
+    PLUGINS,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.machine.console import Console

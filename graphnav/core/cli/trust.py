@@ -10,23 +10,22 @@ from typing import TYPE_CHECKING
 from graphnav.core.cli.status import OK
 from graphnav.core.errors import GraphnavError, UserError, shown_name, shown_path
 from graphnav.core.notices import print_notice
+from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.trust import Request, Trust
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.add_argument(
+@command(
+    Parameter(
         "folder",
         nargs="?",
         type=Path,
         metavar="FOLDER",
         help="let the plugin files that graphs in this folder name run (default: list the folders)",
-    )
-    parser.add_argument("--revoke", action="store_true", help="ask again before anything of FOLDER runs")
-
-
+    ),
+    flag("revoke", "--revoke", "ask again before anything of FOLDER runs"),
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.trust import Request, forget, remember, trusted_folders
@@ -55,8 +54,8 @@ def main(args: argparse.Namespace) -> int:
     return OK
 
 
-def trust_of(args: argparse.Namespace) -> Trust:
-    """Return which plugin files may run: all for commands that run what the user names and with ``--trust``.
+def trust_of(args: argparse.Namespace, *, runs_all: bool = False) -> Trust:
+    """Return which plugin files may run: all with ``--trust`` and for commands that run what the user names.
 
     Else those that are trusted; at a terminal the user is asked about others.
     """
@@ -64,7 +63,7 @@ def trust_of(args: argparse.Namespace) -> Trust:
 
     is_terminal = all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
     return Trust(
-        runs_all=getattr(args, "trust", False),
+        runs_all=runs_all or getattr(args, "trust", False),
         ask=_ask if is_terminal else None,
         hint="run it with --trust",
         folder_hint=", or trust the folder: graphnav trust {folder}",

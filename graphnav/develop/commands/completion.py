@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
+from graphnav.core.parameters import Parameter, command
 from graphnav.develop.completion import SHELLS, shell_script
 
 _EXAMPLES = """\
@@ -14,13 +15,7 @@ put one of these into ~/.bashrc, ~/.zshrc (below compinit) or ~/.config/fish/con
   graphnav completion fish | source"""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = _EXAMPLES
-    parser.add_argument("shell", metavar="SHELL", choices=SHELLS, help="bash, zsh or fish")
-
-
+@command(Parameter("shell", metavar="SHELL", choices=SHELLS, help="bash, zsh or fish"), examples=_EXAMPLES)
 def main(args: argparse.Namespace) -> int:
     """Print the script."""
     sys.stdout.write(shell_script(args.shell))

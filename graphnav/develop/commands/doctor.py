@@ -7,19 +7,16 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import add_graph_options, load
+from graphnav.core.api.parameters import GRAPH, PLUGINS, SET, TRUST
+from graphnav.core.cli.options import JSON, load
 from graphnav.core.cli.status import FAILED, OK
+from graphnav.core.parameters import command
 
 if TYPE_CHECKING:
     from graphnav.develop.doctor import Finding
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    add_graph_options(parser, nargs="?")
-    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
-
-
+@command(GRAPH.but(nargs="?"), SET, PLUGINS, TRUST, JSON)
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 where something needed is lacking.
 

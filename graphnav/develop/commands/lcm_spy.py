@@ -6,15 +6,11 @@ import argparse
 import os
 import sys
 
-from graphnav.core.cli.options import add_types_option, catalog_of, load_types_of
+from graphnav.core.cli.options import GROUP, TYPES, catalog_of, load_types_of
+from graphnav.core.parameters import command
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.add_argument("url", nargs="?", metavar="URL", help="udpm://... (default: where runs are tapped)")
-    add_types_option(parser)
-
-
+@command(GROUP, *TYPES)
 def main(args: argparse.Namespace) -> int:
     """Run the command: build the jar of all types unless it is cached, then replace this process by lcm-spy."""
     from graphnav.core.cli.type_names import listed_types

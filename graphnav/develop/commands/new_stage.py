@@ -10,17 +10,19 @@ from pathlib import Path
 
 from graphnav.core.cli.status import OK
 from graphnav.core.errors import UserError
+from graphnav.core.parameters import Parameter, command
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.add_argument("family", metavar="FAMILY", help="family of the stage: flow, plane, steer, … or a new one")
-    parser.add_argument("name", metavar="NAME", help="name of the stage in graphs: my_detector")
-    parser.add_argument(
-        "-o", dest="folder", type=Path, default=Path(), metavar="DIR", help="output folder (default: this one)"
-    )
-
-
+@command(
+    Parameter(
+        "family",
+        metavar="FAMILY",
+        help="family of the stage: flow, plane, steer, … or a new one",
+        offers="families",
+    ),
+    Parameter("name", metavar="NAME", help="name of the stage in graphs: my_detector"),
+    Parameter("folder", "-o", type=Path, default=Path(), metavar="DIR", help="output folder (default: this one)"),
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command; existing files are not overwritten."""
     from graphnav.core.catalog import ADAPTERS, Catalog

@@ -12,18 +12,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import (
-    FailureReport,
-    add_graph_options,
-    add_portable_option,
-    add_run_options,
-    add_verbose_option,
-    load,
-    notices_of,
-)
+from graphnav.core.api.parameters import FOLDER, LOADED, SEED, TAP, UNTIL_S
+from graphnav.core.cli.options import JSON, PORTABLE, VERBOSE, FailureReport, load, notices_of
 from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.core.errors import UserError
 from graphnav.core.notices import print_notice
+from graphnav.core.parameters import Parameter, command, flag
+from graphnav.develop.parameters import CLOCK
 
 if TYPE_CHECKING:
     from graphnav.core.graph import Graph
@@ -31,39 +26,25 @@ if TYPE_CHECKING:
     from graphnav.develop.profiling import Profile
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    add_graph_options(parser)
-    add_run_options(parser)
-    add_portable_option(parser)
-    parser.add_argument(
-        "--tap",
-        choices=("thin", "full", "none"),
-        default="none",
-        help="also measure copies for viewers on this machine (default: none)",
-    )
-    parser.add_argument(
-        "--clock",
-        choices=("wall", "cpu"),
-        default="wall",
-        help="wall time (default), or processor time of the run's thread: for a machine that does other work",
-    )
-    parser.add_argument(
+@command(
+    *LOADED,
+    SEED,
+    UNTIL_S,
+    PORTABLE,
+    TAP.but(help="also measure copies for viewers on this machine (default: %(default)s)"),
+    CLOCK,
+    Parameter(
+        "flame",
         "--flame",
         type=Path,
         metavar="FILE.svg",
         help="draw a flame graph; with pyinstrument installed also of the functions inside of the steps",
-    )
-    parser.add_argument(
-        "-o", dest="folder", type=Path, metavar="DIR", help="keep the run folder, new or empty (default: temporary)"
-    )
-    parser.add_argument(
-        "--sort", action="store_true", help="stages and channels that take longest first (default: in firing order)"
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
-    add_verbose_option(parser)
-
-
+    ),
+    FOLDER.but(help="keep the run folder, new or empty (default: temporary)"),
+    flag("sort", "--sort", "stages and channels that take longest first (default: in firing order)"),
+    JSON,
+    VERBOSE,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.machine.console import Console

@@ -6,22 +6,23 @@ import argparse
 import json
 from typing import Any
 
-from graphnav.core.cli.options import add_plugin_option, catalog_of
+from graphnav.core.api.parameters import PLUGINS
+from graphnav.core.cli.options import catalog_of
 from graphnav.core.cli.status import OK
 from graphnav.core.errors import Place, UserError, did_you_mean
+from graphnav.core.parameters import Parameter, command
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.add_argument(
+@command(
+    Parameter(
+        "of",
         "--of",
         default="graph",
         metavar="FORMAT",
         help="graph (default), study, map, or another format that a plugin reads",
-    )
-    add_plugin_option(parser)
-
-
+    ),
+    PLUGINS,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.graph import graph_schema

@@ -7,8 +7,9 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.cli.options import add_types_option, catalog_of, load_types_of
+from graphnav.core.cli.options import JSON, TYPES, catalog_of, load_types_of
 from graphnav.core.cli.status import OK
+from graphnav.core.parameters import OneOf, Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.cli.tables import TextTable
@@ -22,23 +23,26 @@ examples:
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = _EXAMPLES
-    parser.add_argument(
+@command(
+    Parameter(
         "name",
         metavar="NAME",
         nargs="?",
         help="a type (Flow, flow_t, package.type_t of an installed package or of --types); default: all",
-    )
-    out = parser.add_mutually_exclusive_group()
-    out.add_argument("--json", action="store_true", help="print JSON instead of tables")
-    out.add_argument("--lcm", action="store_true", help="print the definition, and those of all nested types")
-    out.add_argument("--java", type=Path, metavar="DIR", help="write Java sources and a jar for lcm-spy into DIR")
-    add_types_option(parser)
-
-
+        offers="types",
+    ),
+    OneOf(
+        (
+            JSON.but(help="print JSON instead of tables"),
+            flag("lcm", "--lcm", "print the definition, and those of all nested types"),
+            Parameter(
+                "java", "--java", type=Path, metavar="DIR", help="write Java sources and a jar for lcm-spy into DIR"
+            ),
+        )
+    ),
+    *TYPES,
+    examples=_EXAMPLES,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.cli.type_names import listed_types, type_called

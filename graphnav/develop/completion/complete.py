@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
 from graphnav.core.errors import GraphnavError
+from graphnav.core.parameters import Candidates, Completer
 from graphnav.develop.completion.index import Index
 from graphnav.develop.completion.index_cache import installed_index
 from graphnav.develop.completion.overrides import override_candidates
 from graphnav.develop.completion.paths import paths, run_folders
 
 _YAML = (".yaml", ".yml")
-_Candidates = Callable[[str, list[str], Index], Iterable[str]]
+_Finder = Callable[[str, list[str], Index], Iterable[str]]
 """Of a prefix, the graphs and studies of the command line, and the index."""
 
 
@@ -63,26 +64,18 @@ def _axes(prefix: str, names: list[str], index: Index) -> Iterable[str]:
     return override_candidates(prefix, stages_of(names, index), index, many=True)
 
 
-_BY_METAVAR: Mapping[str, _Candidates] = {
-    "GRAPH": _graphs,
-    "STUDY": _studies,
-    "LOG": lambda prefix, _, __: run_folders(prefix),
-    "RUN_OR_LOG": lambda prefix, _, __: run_folders(prefix),
-    "FEED": lambda prefix, _, __: run_folders(prefix),
-    "KEY=VALUE": _overrides,
-    "AXIS=A,B,...": _axes,
-    "CHANNEL": _channels,
-    "CHANNEL,...": _channels,
-    "GLOB": _channels,
-    "TYPE": lambda _, __, index: index.types,
-    "FAMILY": lambda _, __, index: index.families,
-}
-_NAMES: Mapping[str, _Candidates] = {
+_BY_KIND: Mapping[Candidates, _Finder] = {
+    "axes": _axes,
+    "channels": _channels,
+    "families": lambda _, __, index: index.families,
+    "graphs": _graphs,
+    "overrides": _overrides,
+    "run folders": lambda prefix, _, __: run_folders(prefix),
     "stages": _stages,
+    "studies": _studies,
     "types": lambda _, __, index: index.types,
-    "export": _channels,
 }
-"""Candidates of NAME by command."""
+"""Candidates by the kind that a parameter offers."""
 
 
 def completed_command() -> str | None:
@@ -91,32 +84,20 @@ def completed_command() -> str | None:
     return next((word for word in words if not word.startswith("-")), None)
 
 
-def complete(parser: argparse.ArgumentParser, name: str | None) -> None:
-    """Print the completions of the line in the environment, and end the process.
-
-    ``name``: the command on the line, whose options ``parser`` has.
-    """
+def complete(parser: argparse.ArgumentParser) -> None:
+    """Print the completions of the line in the environment, and end the process."""
     import argcomplete
 
-    for action in _actions(parser, name):
-        candidates = _NAMES.get(name or "") if action.metavar == "NAME" else _BY_METAVAR.get(str(action.metavar))
-        if candidates is not None:
-            action.completer = _completer(candidates)  # type: ignore[attr-defined]
     argcomplete.autocomplete(parser, always_complete_options=False)
 
 
-def _actions(parser: argparse.ArgumentParser, name: str | None) -> Iterator[argparse.Action]:
-    """Yield the arguments of a command; argparse has no public list of them."""
-    for action in parser._actions:  # noqa: SLF001
-        if isinstance(action, argparse._SubParsersAction) and name in action.choices:  # noqa: SLF001
-            yield from action.choices[name]._actions  # noqa: SLF001
+def completer(kind: Candidates) -> Completer:
+    """Return the function that argcomplete asks for the values of a parameter."""
 
-
-def _completer(candidates: _Candidates) -> Callable[..., list[str]]:
     def completions(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
-        given = getattr(parsed_args, "graph", None) or getattr(parsed_args, "names", None) or []
+        given = getattr(parsed_args, "graph", None) or getattr(parsed_args, "study", None) or []
         names = [given] if isinstance(given, str) else list(given)
-        return [text for text in candidates(prefix, names, installed_index()) if text.startswith(prefix)]
+        return [text for text in _BY_KIND[kind](prefix, names, installed_index()) if text.startswith(prefix)]
 
     return completions
 

@@ -11,9 +11,10 @@ from graphnav.core.graph import Graph
 from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.run_recorded import LiveSink, run_recorded
 from graphnav.core.stage import Stage
+from graphnav.develop.parameters import Clock
 from graphnav.develop.profiling.calibrate import reading_us
 from graphnav.develop.profiling.evaluate import profile_of
-from graphnav.develop.profiling.profile import Clock, Profile
+from graphnav.develop.profiling.profile import Profile
 from graphnav.develop.profiling.step_functions import StepFunctions
 from graphnav.develop.profiling.stopwatch import Stopwatch
 from graphnav.develop.profiling.tick_spans import WARM_UP, TickSpans

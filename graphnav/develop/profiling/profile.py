@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from typing import Any
 
+from graphnav.develop.parameters import Clock
 from graphnav.develop.profiling.flame import flame_svg
 from graphnav.develop.profiling.text import profile_text
-
-Clock = Literal["wall", "cpu"]
-"""Wall time, or the processor time of the run's thread."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from graphnav.core.machine.console import Console
 from graphnav.core.machine.fitted_tables import fitted_tables
 
 if TYPE_CHECKING:
-    from graphnav.develop.profiling.profile import ChannelTime, Clock, Profile, StageTime
+    from graphnav.develop.parameters import Clock
+    from graphnav.develop.profiling.profile import ChannelTime, Profile, StageTime
 
 CLOCKS: dict[Clock, str] = {"wall": "wall time", "cpu": "processor time of the thread"}
 _FEW = 30

@@ -5,17 +5,18 @@ from __future__ import annotations
 import argparse
 
 from graphnav.core.cli.options import (
-    add_types_option,
-    add_url_option,
+    CHANNEL,
+    FOR_S,
+    MAX_MESSAGES,
+    TYPES,
+    URL,
     catalog_of,
-    channel_name,
-    count,
     load_types_of,
-    positive,
-    seconds,
     url_of,
 )
+from graphnav.core.cli.quantities import channel_name, positive
 from graphnav.core.cli.status import OK
+from graphnav.core.parameters import Parameter, command
 
 _EXAMPLES = """\
 examples:
@@ -27,24 +28,22 @@ FIELDS is YAML; omitted fields are zero or empty. utime is the current time and 
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = _EXAMPLES
-    parser.add_argument("channel", metavar="CHANNEL", type=channel_name, help="the LCM channel")
-    parser.add_argument(
-        "type", metavar="TYPE", help="Twist, twist_t, or package.type_t of an installed package or of --types"
-    )
-    parser.add_argument("fields", metavar="FIELDS", nargs="?", default="", help="the fields (default: all zero)")
-    parser.add_argument("--rate", type=positive, metavar="HZ", help="publish repeatedly (default: once)")
-    parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages; needs --rate")
-    parser.add_argument(
-        "--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C); needs --rate"
-    )
-    add_url_option(parser)
-    add_types_option(parser)
-
-
+@command(
+    CHANNEL.but(type=channel_name, help="the LCM channel"),
+    Parameter(
+        "type",
+        metavar="TYPE",
+        help="Twist, twist_t, or package.type_t of an installed package or of --types",
+        offers="types",
+    ),
+    Parameter("fields", metavar="FIELDS", nargs="?", default="", help="the fields (default: all zero)"),
+    Parameter("rate", "--rate", type=positive, metavar="HZ", help="publish repeatedly (default: once)"),
+    MAX_MESSAGES.but(help="end after N messages; needs --rate"),
+    FOR_S.but(help="end after S seconds (default: Ctrl-C); needs --rate"),
+    URL,
+    *TYPES,
+    examples=_EXAMPLES,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.bus import Bus

@@ -11,43 +11,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.cli.options import (
-    MAX_FACTOR,
-    FailureReport,
-    add_graph_options,
-    add_portable_option,
-    add_run_options,
-    add_verbose_option,
-    load,
-)
+from graphnav.core.api.parameters import GRAPH, LIVE, LIVE_URL, PLUGINS, SEED, SET, UNTIL_S
+from graphnav.core.cli.options import PORTABLE, VERBOSE, FailureReport, load
+from graphnav.core.cli.quantities import MAX_FACTOR
 from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.core.errors import UserError
+from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.graph import Graph
     from graphnav.live.teaching import Coverage, Taught
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    add_graph_options(parser, runs=True)
-    add_run_options(parser)
-    add_portable_option(parser)
-    parser.add_argument("-o", dest="model", type=Path, required=True, metavar="FILE", help="the model (.lcmlog)")
-    parser.add_argument("--live", action="store_true", help="teach in wall time; implied by a graph with inputs")
-    parser.add_argument(
-        "--url",
-        metavar="URL",
-        help="LCM URL of live inputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)",
-    )
-    parser.add_argument(
-        "--until-taught",
-        type=coverage,
-        metavar="V,W",
-        help="live: end once speeds up to V m/s and turning rates up to W rad/s to both sides are taught",
-    )
-    parser.add_argument("--force", action="store_true", help="replace FILE if it exists")
-    add_verbose_option(parser)
 
 
 def coverage(text: str) -> Coverage:
@@ -63,6 +36,26 @@ def coverage(text: str) -> Coverage:
     return Coverage(speed, turn)
 
 
+@command(
+    GRAPH,
+    SET,
+    PLUGINS,
+    SEED,
+    UNTIL_S,
+    PORTABLE,
+    Parameter("model", "-o", type=Path, required=True, metavar="FILE", help="the model (.lcmlog)"),
+    LIVE.but(help="teach in wall time; implied by a graph with inputs"),
+    LIVE_URL.but(help="LCM URL of live inputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)"),
+    Parameter(
+        "until_taught",
+        "--until-taught",
+        type=coverage,
+        metavar="V,W",
+        help="live: end once speeds up to V m/s and turning rates up to W rad/s to both sides are taught",
+    ),
+    flag("force", "--force", "replace FILE if it exists"),
+    VERBOSE,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command: save the last planar model published by the graph as a log of one message.
 
@@ -72,7 +65,7 @@ def main(args: argparse.Namespace) -> int:
 
     if args.model.exists() and not args.force:
         raise UserError.of(f"{args.model} already exists", "choose another file, or replace it with --force")
-    _, graph = load(args)
+    _, graph = load(args, runs=True)
     learning = [learnt for learnt in graph.channels.values() if learnt.message is PlanarModel]
     if len(learning) != 1:
         raise UserError.of(

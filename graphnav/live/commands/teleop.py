@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 
-from graphnav.core.cli.options import add_url_option, channel_name, positive, seconds, url_of
+from graphnav.core.cli.options import URL, url_of
+from graphnav.core.cli.quantities import channel_name, positive
 from graphnav.core.cli.status import OK
 from graphnav.core.cli.status_line import rewrite_line
+from graphnav.core.parameters import Parameter, command, seconds
 
 _EXAMPLES = """\
 keys: w s a d, i k j l or the arrows drive; space halts; x stops the robot until r re-arms it; + and - change the
@@ -18,23 +20,37 @@ published for a moment, then nothing, so that the override of a guard goes stale
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = _EXAMPLES
-    parser.add_argument("--channel", type=channel_name, default="TELEOP", help="channel of the twist (default: TELEOP)")
-    parser.add_argument("--stop-channel", type=channel_name, default="STOP", help="channel of x and r (default: STOP)")
-    parser.add_argument("--speed", type=positive, default=0.3, metavar="MPS", help="forward speed, m/s (default: 0.3)")
-    parser.add_argument(
-        "--turn", type=positive, default=0.8, metavar="RADPS", help="turning rate, rad/s (default: 0.8)"
-    )
-    parser.add_argument("--rate", type=positive, default=20.0, metavar="HZ", help="messages per second (default: 20)")
-    parser.add_argument(
-        "--timeout", type=seconds, default=0.3, metavar="S", help="how long a key press lasts (default: 0.3 s)"
-    )
-    add_url_option(parser)
-
-
+@command(
+    Parameter(
+        "channel", "--channel", type=channel_name, default="TELEOP", help="channel of the twist (default: %(default)s)"
+    ),
+    Parameter(
+        "stop_channel",
+        "--stop-channel",
+        type=channel_name,
+        default="STOP",
+        help="channel of x and r (default: %(default)s)",
+    ),
+    Parameter(
+        "speed", "--speed", type=positive, default=0.3, metavar="MPS", help="forward speed, m/s (default: %(default)s)"
+    ),
+    Parameter(
+        "turn", "--turn", type=positive, default=0.8, metavar="RADPS", help="turning rate, rad/s (default: %(default)s)"
+    ),
+    Parameter(
+        "rate", "--rate", type=positive, default=20.0, metavar="HZ", help="messages per second (default: %(default)g)"
+    ),
+    Parameter(
+        "timeout",
+        "--timeout",
+        type=seconds,
+        default=0.3,
+        metavar="S",
+        help="how long a key press lasts (default: %(default)s s)",
+    ),
+    URL,
+    examples=_EXAMPLES,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.bus import Bus

@@ -9,19 +9,20 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from graphnav.core.api.parameters import PLUGINS, SET, TRUST
 from graphnav.core.cli.options import (
+    JSON,
+    PORTABLE,
+    RUN_OR_LOG,
+    VERBOSE,
     FailureReport,
-    add_plugin_option,
-    add_portable_option,
-    add_set_option,
-    add_trust_option,
-    add_verbose_option,
     catalog_of,
     notices_of,
     overrides_of,
 )
 from graphnav.core.cli.status import FAILED, OK
 from graphnav.core.errors import LogError, UserError
+from graphnav.core.parameters import Parameter, command, flag, many
 
 if TYPE_CHECKING:
     from graphnav.core.errors import GraphnavError
@@ -29,45 +30,74 @@ if TYPE_CHECKING:
     from graphnav.replay.log.log_graph import LogGraph
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.add_argument("log", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
-    add_portable_option(parser)
-    parser.add_argument(
-        "--graph", metavar="FILE", help="step this graph, with the seed of the log (default: the graph of the log)"
-    )
-    add_set_option(parser)
-    add_plugin_option(parser)
-    add_trust_option(parser)
-    parser.add_argument(
+def _words(text: str) -> list[str]:
+    words = [word.strip() for word in text.split(",")]
+    if all(words):
+        return words
+    raise argparse.ArgumentTypeError(f"'{text}' does not list channels: write flow.flow,planar.planar")
+
+
+def _at(text: str) -> float:
+    try:
+        if 0 <= (value := float(text.removesuffix("s"))) <= 1e9:
+            return value
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a time in seconds: write 12.3s")
+
+
+def _tolerance(text: str) -> Tolerance:
+    from graphnav.replay.comparison.field_differences import Tolerance
+
+    try:
+        numbers = [float(part) for part in text.split(",")]
+        if len(numbers) <= 2 and all(0 <= number < math.inf for number in numbers):
+            return Tolerance(*numbers)
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a tolerance: write 1e-6, or 1e-6,1e-3 for absolute,relative")
+
+
+@command(
+    RUN_OR_LOG,
+    PORTABLE,
+    Parameter(
+        "graph",
+        "--graph",
+        metavar="FILE",
+        help="step this graph, with the seed of the log (default: the graph of the log)",
+    ),
+    SET,
+    PLUGINS,
+    TRUST,
+    many(
+        "play",
         "--play",
-        dest="play",
-        action="append",
-        default=[],
         type=_words,
         metavar="CHANNEL,...",
         help="also play these channels from the log; the stages that write them do not step",
-    )
-    parser.add_argument(
+        offers="channels",
+    ),
+    Parameter(
+        "from_s",
         "--from",
-        dest="from_s",
         type=_at,
         default=0.0,
         metavar="S",
         help="start of the comparison (12.3s), after warming up from the start of the log",
-    )
-    parser.add_argument("--cold", action="store_true", help="start at --from with fresh state, without warming up")
-    parser.add_argument(
+    ),
+    flag("cold", "--cold", "start at --from with fresh state, without warming up"),
+    Parameter(
+        "tolerance",
         "--tolerance",
         type=_tolerance,
         metavar="ABS[,REL]",
         help="treat numbers as equal up to ABS + REL * |recorded| (default: 0, exact)",
-    )
-    parser.add_argument("-o", dest="out", type=Path, metavar="FILE", help="also write the log of the replay")
-    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
-    add_verbose_option(parser)
-
-
+    ),
+    Parameter("out", "-o", type=Path, metavar="FILE", help="also write the log of the replay"),
+    JSON,
+    VERBOSE,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if anything differs."""
     from graphnav.core.cli.opened_log import damage_told, opened
@@ -117,31 +147,3 @@ def _print_notices(made: LogGraph, play: list[str], *, verbose: bool) -> None:
 
     for notice in (*notices_of(made.graph, verbose=verbose), *notices_of_plan(make_plan(made.graph, play))):
         print_notice(notice)
-
-
-def _words(text: str) -> list[str]:
-    words = [word.strip() for word in text.split(",")]
-    if all(words):
-        return words
-    raise argparse.ArgumentTypeError(f"'{text}' does not list channels: write flow.flow,planar.planar")
-
-
-def _at(text: str) -> float:
-    try:
-        if 0 <= (value := float(text.removesuffix("s"))) <= 1e9:
-            return value
-    except ValueError:
-        pass
-    raise argparse.ArgumentTypeError(f"'{text}' is not a time in seconds: write 12.3s")
-
-
-def _tolerance(text: str) -> Tolerance:
-    from graphnav.replay.comparison.field_differences import Tolerance
-
-    try:
-        numbers = [float(part) for part in text.split(",")]
-        if len(numbers) <= 2 and all(0 <= number < math.inf for number in numbers):
-            return Tolerance(*numbers)
-    except ValueError:
-        pass
-    raise argparse.ArgumentTypeError(f"'{text}' is not a tolerance: write 1e-6, or 1e-6,1e-3 for absolute,relative")

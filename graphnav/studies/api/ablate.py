@@ -5,22 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
-from graphnav.core.api.arguments import PathLike, overrides_of, paths_of, texts_of
+from graphnav.core.api.arguments import PathLike, check_text, overrides_of, paths_of, texts_of
 from graphnav.core.api.load import add_plugins
 from graphnav.core.api.notices import tell
-from graphnav.core.api.parameters import documented
+from graphnav.core.api.parameters import LOADED, PLUGINS
 from graphnav.core.api.result_folder import KeptFolder, named_folder, temporary_folder
 from graphnav.core.catalog import Catalog
+from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust
 from graphnav.studies.ablation.execution import StudyFolder
 from graphnav.studies.ablation.plan import Job
 from graphnav.studies.api.finished_study import Study
-from graphnav.studies.api.study_arguments import execution_of, names_of, reference_of, seeds_of, varies_of, worlds_of
+from graphnav.studies.api.study_arguments import execution_of, names_of, seeds_of, varies_of, worlds_of
 from graphnav.studies.api.study_request import StudyRequest
 from graphnav.studies.api.study_run import ExecutionOptions, StudyRun, run_study
+from graphnav.studies.parameters import FOLDER, METRICS, OF_FUNCTIONS, REFERENCE, WITHIN
 
 
-@documented
+@documented(*LOADED, *OF_FUNCTIONS)
 def ablate(
     study: PathLike | Sequence[PathLike],
     *,
@@ -55,22 +57,23 @@ def ablate(
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
+    check_text(reference, REFERENCE, "the name of a variant")
     request = StudyRequest(
         names=names_of(study),
         varies=varies_of(vary),
         overrides=overrides_of(set),
         seeds=seeds_of(seeds),
-        metrics=texts_of(metrics, "metrics", "drive.success"),
-        within=texts_of(within, "within", "control.max_speed_mps"),
+        metrics=texts_of(metrics, METRICS),
+        within=texts_of(within, WITHIN),
         one_at_a_time=one_at_a_time,
         decompose=decompose,
-        plugins=paths_of(plugins, "plugins", "my_stage.py"),
-        reference=reference_of(reference),
+        plugins=paths_of(plugins, PLUGINS),
+        reference=reference,
         worlds=worlds_of(worlds),
         until_clear=bool(until_clear),
     )
     options = execution_of(jobs, cluster, gallery, keep_logs, fail_fast)
-    return _made(request, None if folder is None else named_folder(folder), options)
+    return _made(request, None if folder is None else named_folder(folder, FOLDER), options)
 
 
 def _made(request: StudyRequest, kept: KeptFolder | None, options: ExecutionOptions) -> Study:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterable, Mapping, Sequence
 
-from graphnav.core.api.arguments import path_of, wrong_type, yaml_value
+from graphnav.core.api.arguments import check_integer, check_text, path_of, wrong_type, yaml_value
 from graphnav.core.errors import Place, UserError
 from graphnav.core.graph import Graph
+from graphnav.core.parameters import COUNT
 from graphnav.studies.ablation.study import Vary, vary_of
 from graphnav.studies.api.study_run import ExecutionOptions
+from graphnav.studies.parameters import CLUSTER, GALLERY, JOBS, SEEDS, STUDY, VARY, WORLDS
+
+_WORLDS_OF_GRAPH = WORLDS.but(type=COUNT, example="2")
 
 
 def names_of(study: object) -> tuple[str, ...]:
@@ -28,7 +32,7 @@ def names_of(study: object) -> tuple[str, ...]:
         )
     if not found:
         raise UserError.of("study names no graph", hint)
-    return tuple(str(path_of(name, "study", "corridor_ccw")) for name in found)
+    return tuple(str(path_of(name, STUDY)) for name in found)
 
 
 def varies_of(vary: object) -> tuple[Vary, ...]:
@@ -39,7 +43,7 @@ def varies_of(vary: object) -> tuple[Vary, ...]:
     UserError
         It is not a mapping of lists, or a graph cannot hold a value.
     """
-    hint = 'write vary={"plane": ["plane.ica", "plane.affine"]}'
+    hint = VARY.hint
     if vary is None:
         return ()
     if not isinstance(vary, Mapping):
@@ -65,7 +69,7 @@ def seeds_of(seeds: object) -> Sequence[int] | None:
     UserError
         It is not a list of integers.
     """
-    hint = "write seeds=range(1000, 1010), or [1, 5, 7]"
+    hint = SEEDS.hint
     if seeds is None or (isinstance(seeds, range) and seeds.step == 1 and 0 <= seeds.start < seeds.stop):
         return seeds
     if isinstance(seeds, str | bytes | Mapping) or not isinstance(seeds, Iterable):
@@ -81,19 +85,6 @@ def seeds_of(seeds: object) -> Sequence[int] | None:
     return [operator.index(seed) for seed in found]
 
 
-def reference_of(reference: object) -> str | None:
-    """Return the name of a variant, None for None.
-
-    Raises
-    ------
-    UserError
-        It is not a string.
-    """
-    if reference is not None and not isinstance(reference, str):
-        raise wrong_type("reference", reference, "the name of a variant", 'write reference="steer.oracle"')
-    return reference
-
-
 def worlds_of(worlds: object) -> Mapping[str, int]:
     """Return the number of worlds of graphs.
 
@@ -102,7 +93,7 @@ def worlds_of(worlds: object) -> Mapping[str, int]:
     UserError
         It is not a mapping of graphs to positive integers.
     """
-    hint = 'write worlds={"suite/laps": 10}'
+    hint = WORLDS.hint
     if worlds is None:
         return {}
     if not isinstance(worlds, Mapping):
@@ -110,12 +101,12 @@ def worlds_of(worlds: object) -> Mapping[str, int]:
     for graph, number in worlds.items():
         if not isinstance(graph, str):
             raise wrong_type("worlds", graph, "a mapping of graphs to numbers", hint)
-        _checked_count(f"worlds[{graph!r}]", number, 1)
+        check_integer(number, _WORLDS_OF_GRAPH, f"[{graph!r}]")
     return dict(worlds)
 
 
 def execution_of(
-    jobs: object, cluster: object, gallery: object, keep_logs: object, fail_fast: object
+    jobs: int | None, cluster: str | None, gallery: int, keep_logs: object, fail_fast: object
 ) -> ExecutionOptions:
     """Return how runs are made.
 
@@ -124,17 +115,8 @@ def execution_of(
     UserError
         An argument has a wrong type.
     """
-    if cluster is not None and not isinstance(cluster, str):
-        raise wrong_type("cluster", cluster, "a string or None", 'write cluster="tcp://host:8786"')
-    at_once, each = _count("jobs", jobs, 1), _count("gallery", gallery, 0)
-    return ExecutionOptions(at_once, cluster, each or 0, keep_logs=bool(keep_logs), fail_fast=bool(fail_fast))
-
-
-def _count(name: str, value: object, minimum: int) -> int | None:
-    return None if value is None else _checked_count(name, value, minimum)
-
-
-def _checked_count(name: str, value: object, minimum: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < minimum:
-        raise wrong_type(name, value, f"an integer of at least {minimum}", f"write {name}=2")
-    return value
+    check_text(cluster, CLUSTER)
+    if jobs is not None:
+        check_integer(jobs, JOBS)
+    check_integer(gallery, GALLERY)
+    return ExecutionOptions(jobs, cluster, gallery, keep_logs=bool(keep_logs), fail_fast=bool(fail_fast))

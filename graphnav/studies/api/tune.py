@@ -7,16 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from graphnav.core.api.arguments import PathLike, overrides_of, paths_of, texts_of, wrong_type
+from graphnav.core.api.arguments import PathLike, check_integer, overrides_of, paths_of, texts_of
 from graphnav.core.api.load import add_plugins
-from graphnav.core.api.parameters import documented
+from graphnav.core.api.parameters import LOADED, PLUGINS
 from graphnav.core.api.result_folder import KeptFolder, named_folder, temporary_folder
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import Problem, UserError
+from graphnav.core.errors import Problem
+from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust
 from graphnav.studies.ablation.execution import LockedFolder
 from graphnav.studies.api.study_arguments import execution_of, names_of, seeds_of, varies_of
 from graphnav.studies.api.study_run import workers_of
+from graphnav.studies.parameters import FOLDER, METRICS, OF_FUNCTIONS, SAMPLER_SEED, SEARCH, TRIALS
 from graphnav.studies.tuning import (
     STUDY,
     TUNING,
@@ -74,7 +76,7 @@ class Tuned:
         return f"<graphnav.Tuned {self.folder}: {conclusion(self.run)}>"
 
 
-@documented
+@documented(*LOADED, *OF_FUNCTIONS)
 def tune(
     study: PathLike | Sequence[PathLike],
     *,
@@ -103,22 +105,24 @@ def tune(
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
+    check_integer(trials, TRIALS)
+    check_integer(sampler_seed, SAMPLER_SEED)
     problems: list[Problem] = []
     request = TuningRequest(
         names=names_of(study),
         varies=varies_of(vary),
         overrides=overrides_of(set),
         seeds=seeds_of(seeds),
-        metrics=texts_of(metrics, "metrics", "drive.success"),
-        searches=parse_searches(texts_of(search, "search", "plane.threshold_px=0.05:2"), problems),
-        trials=_at_least("trials", trials, 1),
-        sampler_seed=_at_least("sampler_seed", sampler_seed, 0),
-        plugins=paths_of(plugins, "plugins", "my_stage.py"),
+        metrics=texts_of(metrics, METRICS),
+        searches=parse_searches(texts_of(search, SEARCH), problems),
+        trials=trials,
+        sampler_seed=sampler_seed,
+        plugins=paths_of(plugins, PLUGINS),
         problems=problems,
     )
     options = execution_of(jobs, cluster, 0, keep_logs=False, fail_fast=False)
     tuning = check_tuning(request, add_plugins(Catalog(Trust(runs_all=True)), request.plugins), request.command)
-    kept = temporary_folder() if folder is None else named_folder(folder)
+    kept = temporary_folder() if folder is None else named_folder(folder, FOLDER)
     return Tuned(tune_into(tuning, kept.path, options.jobs, options.cluster), kept)
 
 
@@ -131,11 +135,3 @@ def tune_into(
         held.empty_scratch()
         with workers_of(jobs, cluster, held.scratch) as workers:
             return run_tuning(tuning, folder, workers, on_made, lambda so_far: write_tuning(so_far, folder))
-
-
-def _at_least(name: str, value: object, minimum: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise wrong_type(name, value, f"an integer of at least {minimum}", f"write {name}={max(minimum, 10)}")
-    if value < minimum:
-        raise UserError.of(f"{name} is {value}, but must be at least {minimum}", f"write {name}={max(minimum, 10)}")
-    return value

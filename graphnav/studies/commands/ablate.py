@@ -9,19 +9,33 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import (
-    add_former_option,
-    add_plugin_option,
-    add_portable_option,
-    add_trust_option,
-    catalog_of,
-    count,
-    seconds,
-)
+from graphnav.core.api.parameters import PLUGINS, SET, TRUST
+from graphnav.core.cli.options import PORTABLE, catalog_of
 from graphnav.core.cli.status import INTERRUPTED, OK
 from graphnav.core.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
 from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.notices import print_notice
+from graphnav.core.parameters import Parameter, command, former, many
+from graphnav.studies.parameters import (
+    CLUSTER,
+    DECOMPOSE,
+    FAIL_FAST,
+    FOLDER,
+    GALLERY,
+    JOBS,
+    KEEP_LOGS,
+    METRICS,
+    ONE_AT_A_TIME,
+    REFERENCE,
+    SEEDS,
+    STALL_S,
+    STUDY,
+    UNTIL_CLEAR,
+    VARY,
+    WITHIN,
+    WORLDS,
+    YES,
+)
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
@@ -33,160 +47,67 @@ _ABOUT = """\
 A study is a YAML file, the name of a shipped one, or graphs and --vary. Its folder keeps every run: the same command
 resumes a study that was interrupted, and a longer range of seeds adds runs to the existing ones.
 """
-
-
 _OF_RUNS = (
-    ("--vary", "varies"), ("--set", "sets"), ("--within", "within"), ("--seeds", "seeds"), ("--metrics", "metrics"),
-    ("--reference", "reference"), ("--worlds", "worlds"), ("--until-clear", "until_clear"),
-    ("--one-at-a-time", "one_at_a_time"), ("--decompose", "decompose"), ("--plugin", "plugins"),
-    ("--cluster", "cluster"),
-)  # fmt: skip
-"""Options that apply only to a study that runs, with the names of their arguments."""
+    *(VARY, SET, WITHIN, SEEDS, METRICS, REFERENCE, WORLDS),
+    *(UNTIL_CLEAR, ONE_AT_A_TIME, DECOMPOSE, PLUGINS, CLUSTER),
+)
+"""Options that apply only to a study that runs."""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.epilog = _ABOUT
-    add_portable_option(parser)
-    parser.add_argument("names", nargs="*", metavar="STUDY", help="a study, or graphs: files or names of shipped ones")
-    _add_study_options(parser)
-    _add_world_options(parser)
-    _add_execution_options(parser)
-    add_trust_option(parser)
-    parser.add_argument("--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder")
-    parser.add_argument(
+@command(
+    PORTABLE,
+    STUDY,
+    VARY,
+    SET.but(help="override in all runs: a stage, a parameter or a wire"),
+    ONE_AT_A_TIME,
+    DECOMPOSE,
+    WITHIN,
+    SEEDS,
+    UNTIL_CLEAR,
+    WORLDS,
+    REFERENCE,
+    METRICS,
+    former("--figures", "--metrics"),
+    PLUGINS,
+    FOLDER,
+    JOBS,
+    CLUSTER,
+    GALLERY,
+    KEEP_LOGS,
+    FAIL_FAST,
+    STALL_S,
+    YES,
+    TRUST,
+    Parameter("report", "--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder"),
+    Parameter(
+        "export",
         "--export",
-        choices=["mlflow"],
+        choices=("mlflow",),
         help="with --report: also write an MLflow run for each case (extra: mlflow) on MLFLOW_TRACKING_URI",
-    )
-    parser.add_argument(
-        "--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare the studies of two folders, world by world"
-    )
-    parser.add_argument(
+    ),
+    Parameter(
+        "compare",
+        "--compare",
+        nargs=2,
+        type=Path,
+        metavar=("A", "B"),
+        help="compare the studies of two folders, world by world",
+    ),
+    many(
+        "contrasts",
         "--contrast",
-        dest="contrasts",
-        action="append",
-        default=[],
         metavar="A,B",
         help="compare two variants of the study, or with --report of an existing one, in every metric",
-    )
-    parser.add_argument(
+    ),
+    many(
+        "fail_if",
         "--fail-if",
-        action="append",
-        default=[],
         metavar="CONDITION",
         help="with --compare: exit status 1 if the difference B - A of any case meets it: 'drive.success < -0.05' for "
         "the mean, 'high(drive.success) < 0' for the upper end of its interval; may be given several times",
-    )
-
-
-def _add_study_options(parser: argparse.ArgumentParser) -> None:
-    """Declare what changes a study."""
-    parser.add_argument(
-        "--vary",
-        dest="varies",
-        action="append",
-        default=[],
-        metavar="AXIS=A,B,...",
-        help="an axis, the base's value first (plane=plane.ica,plane.affine); AXIS+=C adds a value to the study's",
-    )
-    parser.add_argument(
-        "--set",
-        dest="sets",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="override in all runs: a stage, a parameter or a wire",
-    )
-    parser.add_argument(
-        "--one-at-a-time", action="store_true", help="change one axis of the base at a time instead of crossing"
-    )
-    parser.add_argument(
-        "--decompose",
-        action="store_true",
-        help="swap the stages of a graph's drive for their oracles, one at a time and cumulatively, and show where is "
-        "lost what these reach",
-    )
-    parser.add_argument(
-        "--within",
-        action="append",
-        default=[],
-        metavar="AXIS,...",
-        help="axes that are conditions: variants are compared with the base under the same one",
-    )
-
-
-def _add_world_options(parser: argparse.ArgumentParser) -> None:
-    """Declare the worlds of a study, and how its variants are compared there."""
-    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, END excluded, or 1,2,5")
-    parser.add_argument(
-        "--until-clear",
-        action="store_true",
-        help="add seeds, in their order, only until the metric that decides tells every variant from the base",
-    )
-    parser.add_argument(
-        "--worlds",
-        action="append",
-        default=[],
-        metavar="GRAPH=N,...",
-        help="graphs that have only the first N seeds",
-    )
-    parser.add_argument(
-        "--reference",
-        metavar="VARIANT",
-        help="the variant, by its name in tables, whose runs relative metrics compare with (drive.oracle_spl)",
-    )
-    parser.add_argument(
-        "--metrics",
-        action="append",
-        default=[],
-        metavar="STAGE.METRIC,...",
-        help="columns of the table, deciding first",
-    )
-    add_former_option(parser, "--figures", "--metrics")
-    add_plugin_option(parser)
-
-
-def _add_execution_options(parser: argparse.ArgumentParser) -> None:
-    """Declare how and where the runs are made."""
-    parser.add_argument(
-        "-o",
-        dest="folder",
-        type=Path,
-        metavar="DIR",
-        help="the study's folder (default: ablations/STUDY); with --compare the file to write",
-    )
-    parser.add_argument("-j", dest="jobs", type=count, metavar="N", help="runs at once (default: one per core)")
-    parser.add_argument(
-        "--cluster",
-        metavar="URL",
-        help="run on the Dask cluster whose scheduler is at tcp://host:8786; its workers need graphnav, and "
-        "your maps and plugins at the same paths, but not this folder",
-    )
-    parser.add_argument(
-        "--gallery",
-        type=_count_or_none,
-        default=2,
-        metavar="N",
-        help="failures of each variant that are run again and drawn (default 2; baselines 1)",
-    )
-    parser.add_argument("--keep-logs", action="store_true", help="keep the full logs of the drawn failures")
-    parser.add_argument(
-        "--fail-fast",
-        action="store_true",
-        help="stop at the first run in which a stage fails or whose process dies, with exit status 1",
-    )
-    parser.add_argument(
-        "--stall-s",
-        type=seconds,
-        default=300.0,
-        metavar="S",
-        help="end a run, which then counts as failed, if one call into a stage takes longer than S seconds of wall "
-        "time (default: 300)",
-    )
-    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation before more than 1000 runs")
-
-
+    ),
+    about=_ABOUT,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.machine.console import Console
@@ -209,11 +130,10 @@ def main(args: argparse.Namespace) -> int:
         if args.export:
             console.print(f"mlflow: {export_to_mlflow(plan, files, args.report)}", markup=False)
         return study_status(files)
-    if not args.names:
+    if not args.study:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
-    args.trust = True
     with ended_by_interrupt(owns_process=args.owns_process):
-        catalog = catalog_of(args)
+        catalog = catalog_of(args, runs_all=True)
         study = _request(args).check(catalog, shlex.join(["graphnav", *args.words]))
     return _run(study, catalog, args, console)
 
@@ -229,7 +149,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
     chosen = [option for option in ("--report", "--compare") if getattr(args, option[2:])]
     if not chosen:
         return
-    given = [*args.names, *(option for option, name in _OF_RUNS if getattr(args, name)), *chosen[1:]]
+    given = [*args.study, *(option.flag for option in _OF_RUNS if getattr(args, option.name)), *chosen[1:]]
     given += ["--contrast"] if args.compare and args.contrasts else []
     if args.report and args.folder:
         given.append("-o")
@@ -246,9 +166,9 @@ def _request(args: argparse.Namespace) -> StudyRequest:
 
     problems: list[Problem] = []
     return StudyRequest(
-        names=args.names,
-        varies=parse_varies(args.varies, problems),
-        overrides=parse_overrides(args.sets, problems),
+        names=args.study,
+        varies=parse_varies(args.vary, problems),
+        overrides=parse_overrides(args.set, problems),
         seeds=args.seeds,
         metrics=args.metrics,
         within=args.within,
@@ -321,7 +241,3 @@ def _catalog_of_usable_plugins(args: argparse.Namespace, plan: Plan) -> Catalog:
 
 def _state(plan: Plan, n_missing: int) -> str:
     return f"{plan.n_jobs - n_missing} of {plan.n_jobs} runs are finished"
-
-
-def _count_or_none(text: str) -> int:
-    return 0 if text == "0" else count(text)

@@ -8,11 +8,26 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import add_plugin_option, add_portable_option, add_set_option, catalog_of, count, seed
+from graphnav.core.api.parameters import PLUGINS, SET
+from graphnav.core.cli.options import PORTABLE, catalog_of
 from graphnav.core.cli.quantities import counted
 from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
 from graphnav.core.errors import Problem, UserError
 from graphnav.core.interrupts import ended_by_interrupt
+from graphnav.core.parameters import command
+from graphnav.studies.parameters import (
+    CLUSTER,
+    FOLDER,
+    JOBS,
+    METRICS,
+    SAMPLER_SEED,
+    SEARCH,
+    SEEDS,
+    STUDY,
+    TRIALS,
+    VARY,
+    YES,
+)
 
 if TYPE_CHECKING:
     from graphnav.core.machine.console import Console
@@ -25,53 +40,28 @@ are refused: they are for reporting. The folder keeps every run: the same comman
 _MANY_RUNS = 1000
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.epilog = _ABOUT
-    add_portable_option(parser)
-    parser.add_argument(
-        "names", nargs="+", metavar="GRAPH", help="graphs, or a study with one axis: files or names of shipped ones"
-    )
-    parser.add_argument(
-        "--vary",
-        dest="varies",
-        action="append",
-        default=[],
-        metavar="AXIS=A,B,...",
-        help="the rivals, as of graphnav ablate (plane=plane.ica,plane.affine)",
-    )
-    parser.add_argument("--trials", type=count, default=100, metavar="N", help="trials of each rival (default 100)")
-    parser.add_argument("--seeds", metavar="FIRST:END", help="seeds of the worlds, below 1000, END excluded, or 1,2,5")
-    parser.add_argument(
-        "--metrics",
-        action="append",
-        default=[],
-        metavar="STAGE.METRIC,...",
-        help="what is tuned for; equal trials are told apart by the next one",
-    )
-    parser.add_argument(
-        "--search",
-        dest="searches",
-        action="append",
-        default=[],
-        metavar="KEY=LOW:HIGH[:log]",
-        help="the range of a parameter, or its choices (plane.rule=mad,otsu), in place of the default: a quarter to "
-        "four times its value, within its bounds",
-    )
-    add_set_option(parser)
-    add_plugin_option(parser)
-    parser.set_defaults(trust=True)
-    parser.add_argument(
-        "--sampler-seed", type=seed, default=0, metavar="N", help="seed of the proposals (default 0); worlds ignore it"
-    )
-    parser.add_argument("-o", dest="folder", type=Path, metavar="DIR", help="the folder (default: tunings/GRAPH)")
-    parser.add_argument("-j", dest="jobs", type=count, metavar="N", help="runs at once (default: one per core)")
-    parser.add_argument(
-        "--cluster", metavar="URL", help="run on the Dask cluster whose scheduler is at tcp://host:8786"
-    )
-    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation before more than 1000 runs")
-
-
+@command(
+    PORTABLE,
+    STUDY.but(
+        nargs="+",
+        metavar="GRAPH",
+        help="graphs, or a study with one axis: files or names of shipped ones",
+        offers="graphs",
+    ),
+    VARY.but(help="the rivals, as of graphnav ablate (plane=plane.ica,plane.affine)"),
+    TRIALS,
+    SEEDS.but(help="seeds of the worlds, below 1000, END excluded, or 1,2,5"),
+    METRICS.but(help="what is tuned for; equal trials are told apart by the next one"),
+    SEARCH,
+    SET,
+    PLUGINS,
+    SAMPLER_SEED,
+    FOLDER.but(help="the folder (default: tunings/GRAPH)"),
+    JOBS,
+    CLUSTER.but(help="run on the Dask cluster whose scheduler is at tcp://host:8786"),
+    YES,
+    about=_ABOUT,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     with ended_by_interrupt(owns_process=args.owns_process):
@@ -80,9 +70,9 @@ def main(args: argparse.Namespace) -> int:
         from graphnav.studies.commands.study_progress import study_bar
         from graphnav.studies.tuning import check_tuning, named_after
 
-        tuning = check_tuning(_request(args), catalog_of(args), shlex.join(["graphnav", *args.words]))
+        tuning = check_tuning(_request(args), catalog_of(args, runs_all=True), shlex.join(["graphnav", *args.words]))
     console = Console(highlight=False, soft_wrap=True)
-    folder = args.folder or Path("tunings") / named_after(args.names)
+    folder = args.folder or Path("tunings") / named_after(args.study)
     _print_search(tuning, console)
     if tuning.n_runs > _MANY_RUNS and not args.yes and not _confirmed(tuning.n_runs, console):
         return OK
@@ -109,12 +99,12 @@ def _request(args: argparse.Namespace) -> TuningRequest:
 
     problems: list[Problem] = []
     return TuningRequest(
-        names=args.names,
-        varies=parse_varies(args.varies, problems),
-        overrides=parse_overrides(args.sets, problems),
+        names=args.study,
+        varies=parse_varies(args.vary, problems),
+        overrides=parse_overrides(args.set, problems),
         seeds=args.seeds,
         metrics=args.metrics,
-        searches=parse_searches(args.searches, problems),
+        searches=parse_searches(args.search, problems),
         trials=args.trials,
         sampler_seed=args.sampler_seed,
         plugins=args.plugins,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from graphnav.core.parameters import command
 from graphnav.watch.commands import channel_report
 
 if TYPE_CHECKING:
@@ -21,11 +22,7 @@ _KEYS = """\
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    channel_report.add_arguments(parser, _KEYS)
-
-
+@command(*channel_report.PARAMETERS, examples=channel_report.json_keys(_KEYS))
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.watch.spy import sizes_as_json

@@ -7,17 +7,10 @@ import json
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.cli.options import (
-    add_channel_and_feed,
-    add_trust_option,
-    add_types_option,
-    catalog_of,
-    channel_and_feed,
-    load_types_of,
-    seconds,
-)
+from graphnav.core.api.parameters import TRUST
+from graphnav.core.cli.options import CHANNEL, FEED, FOR_S, JSON, TYPES, catalog_of, channel_and_feed, load_types_of
 from graphnav.core.cli.status import OK
-from graphnav.watch.commands.listening import ReportTimes, Timeout, add_timeout_option
+from graphnav.watch.commands.listening import TIMEOUT_S, ReportTimes, Timeout
 
 if TYPE_CHECKING:
     from graphnav.core.cli.tables import TextTable
@@ -26,22 +19,22 @@ if TYPE_CHECKING:
 _JSON_S = 2.5
 
 
-def add_arguments(parser: argparse.ArgumentParser, keys: str) -> None:
-    """Declare the arguments; ``keys`` documents the JSON keys of a channel."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = (
+PARAMETERS = (
+    CHANNEL.but(nargs="?", help="the channel's name (default: all channels)"),
+    FEED,
+    TIMEOUT_S,
+    FOR_S,
+    JSON.but(help=f"print one JSON document at the end, for programs; --for then defaults to {_JSON_S:g} s"),
+    *TYPES,
+    TRUST,
+)
+
+
+def json_keys(keys: str) -> str:
+    """Return what stands below the help; ``keys`` documents the JSON keys of a channel."""
+    return (
         f'--json prints {{"feed": ..., "dropped_packets": N, "channels": {{NAME: {{...}}}}}}; of each channel:\n{keys}'
     )
-    add_channel_and_feed(parser)
-    add_timeout_option(parser)
-    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
-    parser.add_argument(
-        "--json",
-        action="store_true",
-        help=f"print one JSON document at the end, for programs; --for then defaults to {_JSON_S:g} s",
-    )
-    add_types_option(parser)
-    add_trust_option(parser)
 
 
 def report(

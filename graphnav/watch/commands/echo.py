@@ -6,19 +6,13 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import (
-    add_feed_argument,
-    add_trust_option,
-    add_types_option,
-    catalog_of,
-    count,
-    load_types_of,
-    seconds,
-)
+from graphnav.core.api.parameters import TRUST
+from graphnav.core.cli.options import CHANNEL, FEED, FOR_S, MAX_MESSAGES, TYPES, catalog_of, load_types_of
 from graphnav.core.cli.status import FAILED, OK
 from graphnav.core.errors import shown_name
 from graphnav.core.notices import print_notice
-from graphnav.watch.commands.listening import Timeout, add_timeout_option
+from graphnav.core.parameters import OneOf, command, flag, many
+from graphnav.watch.commands.listening import TIMEOUT_S, Timeout
 
 if TYPE_CHECKING:
     from graphnav.watch.spy import Feed, Traffic
@@ -35,39 +29,29 @@ examples:
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = _EXAMPLES
-    parser.add_argument("channel", metavar="CHANNEL", help="the channel's name")
-    add_feed_argument(parser)
-    parser.add_argument("-n", dest="count", type=count, metavar="N", help="end after N messages")
-    add_timeout_option(parser)
-    parser.add_argument(
-        "--for",
-        dest="for_s",
-        type=seconds,
-        metavar="S",
-        help="end after S seconds (default: Ctrl-C, or when its run ends)",
-    )
-    parser.add_argument(
+@command(
+    CHANNEL,
+    FEED,
+    MAX_MESSAGES,
+    TIMEOUT_S,
+    FOR_S.but(help="end after S seconds (default: Ctrl-C, or when its run ends)"),
+    many(
+        "fields",
         "--field",
-        dest="fields",
-        action="append",
-        default=[],
         metavar="PATH",
         help="print only a part of each message: a.b, a[0], a[2:8]; may be repeated",
-    )
-    out = parser.add_mutually_exclusive_group()
-    out.add_argument("--csv", action="store_true", help="print a table: one row per message, one column per number")
-    out.add_argument(
-        "--jsonl", "--json", dest="jsonl", action="store_true", help="print one JSON object per message, for programs"
-    )
-    parser.add_argument("--full", action="store_true", help="print arrays complete instead of summarised")
-    add_types_option(parser)
-    add_trust_option(parser)
-
-
+    ),
+    OneOf(
+        (
+            flag("csv", "--csv", "print a table: one row per message, one column per number"),
+            flag("jsonl", "--jsonl --json", "print one JSON object per message, for programs"),
+        )
+    ),
+    flag("full", "--full", "print arrays complete instead of summarised"),
+    *TYPES,
+    TRUST,
+    examples=_EXAMPLES,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.errors import Place, UserError

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from graphnav.core.cli.options import add_trust_option, add_types_option, catalog_of, load_types_of
-from graphnav.core.cli.spans import add_span_options
+from graphnav.core.api.parameters import TRUST
+from graphnav.core.cli.options import FROM_S, RUN_OR_LOG, TO_S, TYPES, catalog_of, load_types_of
 from graphnav.core.cli.status import OK
 from graphnav.core.notices import print_notice
+from graphnav.core.parameters import Parameter, command, flag, many
 
 FORMATS = {
     "mp4": "the panels as a video; with --channel the pictures of that channel",
@@ -31,34 +32,31 @@ examples:
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = "\n".join(["formats:", *(f"  {name:<9}{text}" for name, text in FORMATS.items()), "", _EXAMPLES])
-    parser.add_argument("run", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
-    parser.add_argument("--to", dest="kind", choices=FORMATS, required=True, help="the format, see below")
-    parser.add_argument(
+@command(
+    RUN_OR_LOG,
+    Parameter("kind", "--to", choices=tuple(FORMATS), required=True, help="the format, see below"),
+    Parameter(
+        "target",
         "-o",
-        dest="target",
         type=Path,
         metavar="FILE",
         required=True,
         help="the file, or the folder of pictures or tables",
-    )
-    parser.add_argument(
+    ),
+    many(
+        "channels",
         "--channel",
-        dest="channels",
-        action="append",
-        default=[],
         metavar="NAME",
         help="only this channel, or those of a pattern ('robot.*'); may be given several times",
-    )
-    add_span_options(parser)
-    parser.add_argument("--force", action="store_true", help="replace existing files")
-    add_types_option(parser)
-    add_trust_option(parser)
-
-
+        offers="channels",
+    ),
+    FROM_S,
+    TO_S,
+    flag("force", "--force", "replace existing files"),
+    *TYPES,
+    TRUST,
+    examples="\n".join(["formats:", *(f"  {name:<9}{text}" for name, text in FORMATS.items()), "", _EXAMPLES]),
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command: export, list the files and the losses."""
     from graphnav.core.cli.opened_log import damage_told, opened
@@ -71,7 +69,7 @@ def main(args: argparse.Namespace) -> int:
     catalog = catalog_of(args)
     load_types_of(args, catalog)
     selection = Selection(tuple(args.channels), args.from_s, args.until_s)
-    with opened(find_log(args.run), catalog, args.plugins) as recording, damage_told(recording):
+    with opened(find_log(args.log), catalog, args.plugins) as recording, damage_told(recording):
         until_s = min(duration_s(recording), selection.until_s)
         with progress_bar(Console(stderr=True), f"export {args.kind}", until_s) as show:
             done = export_log(

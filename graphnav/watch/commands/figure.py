@@ -6,41 +6,47 @@ import argparse
 import math
 from pathlib import Path
 
-from graphnav.core.cli.options import add_trust_option
-from graphnav.core.cli.quantities import log_time
-from graphnav.core.cli.spans import add_span_options, period
+from graphnav.core.api.parameters import TRUST
+from graphnav.core.cli.options import FROM_S, RUN_OR_LOG, TO_S
+from graphnav.core.cli.quantities import log_time, period
 from graphnav.core.cli.status import OK
 from graphnav.core.errors import UserError, shown_name
 from graphnav.core.notices import print_notice
+from graphnav.core.parameters import Parameter, command, flag, many
 
 PICTURE_FORMATS = ("png", "svg", "pdf")
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.add_argument("run", metavar="RUN_OR_LOG", type=Path, help="a run folder, or a log")
-    parser.add_argument("-o", dest="folder", type=Path, metavar="DIR", help="output folder (default: that of the log)")
-    parser.add_argument("--video", action="store_true", help="also draw video.mp4")
-    parser.add_argument(
+@command(
+    RUN_OR_LOG,
+    Parameter("folder", "-o", type=Path, metavar="DIR", help="output folder (default: that of the log)"),
+    flag("video", "--video", "also draw video.mp4"),
+    many(
+        "times_s",
         "--at",
-        dest="times_s",
         type=log_time,
-        action="append",
-        default=[],
         metavar="T",
         help="the panels of the frame at T (12.3s) instead; may be given several times",
-    )
-    parser.add_argument(
-        "--rows", action="store_true", help="with --at: one picture of these frames, a row of panels each"
-    )
-    parser.add_argument(
-        "--every", dest="every_s", type=period, metavar="T", help="a contact sheet instead: a frame every T (0.5s)"
-    )
-    add_span_options(parser, "of a contact sheet: ")
-    parser.add_argument("--format", choices=PICTURE_FORMATS, default="png", help="of the pictures (default: png)")
-    add_trust_option(parser)
-
-
+    ),
+    flag("rows", "--rows", "with --at: one picture of these frames, a row of panels each"),
+    Parameter(
+        "every_s",
+        "--every",
+        type=period,
+        metavar="T",
+        help="a contact sheet instead: a frame every T (0.5s)",
+    ),
+    FROM_S.but(help=f"of a contact sheet: {FROM_S.help}"),
+    TO_S.but(help=f"of a contact sheet: {TO_S.help}"),
+    Parameter(
+        "format",
+        "--format",
+        choices=PICTURE_FORMATS,
+        default=PICTURE_FORMATS[0],
+        help="of the pictures (default: %(default)s)",
+    ),
+    TRUST,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and list the files."""
     from graphnav.core.catalog import Catalog
@@ -55,7 +61,7 @@ def main(args: argparse.Namespace) -> int:
         raise UserError.of("--from and --until are for a contact sheet", "add --every 0.5s, or leave them out")
     if args.rows and not args.times_s:
         raise UserError.of("--rows is for frames of given times", "add --at 2s --at 4s, or leave it out")
-    log = find_log(args.run)
+    log = find_log(args.log)
     if notice := unfinished(log):
         print_notice(f"{log}: {shown_name(notice)}; the pictures show the log up to there")
     folder = args.folder or log.parent

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-from pathlib import Path
 
-from graphnav.core.cli.options import add_types_option, load_types_of
+from graphnav.core.cli.options import JSON, LOG, TYPES, load_types_of
 from graphnav.core.cli.status import OK
+from graphnav.core.parameters import command
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.add_argument("log", metavar="LOG", type=Path, help="a log, also of lcm-logger, or a run folder")
-    add_types_option(parser)
-    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
-
-
+@command(LOG, *TYPES, JSON)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.cli.tables import TextTable, print_table

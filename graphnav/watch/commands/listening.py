@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import seconds
+from graphnav.core.parameters import Parameter, seconds
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -17,6 +16,15 @@ if TYPE_CHECKING:
 
 _EVERY_S = 1.0
 
+TIMEOUT_S = Parameter(
+    "timeout_s",
+    "--timeout",
+    type=seconds,
+    metavar="S",
+    help="end with status 1 if no message of the channel arrives for S seconds (default: wait)",
+)
+"""For `Timeout`."""
+
 
 def complete(feed: Feed, catalog: Catalog, plugins: Sequence[Path], channels: Collection[str] | None = None) -> Feed:
     """Open the log of a feed, if it is one, with what it leaves out of ``channels``, None for all; return the feed."""
@@ -25,17 +33,6 @@ def complete(feed: Feed, catalog: Catalog, plugins: Sequence[Path], channels: Co
     if not feed.is_live:
         feed.recording = opened(feed.path, catalog, plugins, channels)
     return feed
-
-
-def add_timeout_option(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--timeout``, for `Timeout`."""
-    parser.add_argument(
-        "--timeout",
-        dest="timeout_s",
-        type=seconds,
-        metavar="S",
-        help="end with status 1 if no message of the channel arrives for S seconds (default: wait)",
-    )
 
 
 class Timeout:

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import argparse
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import (
-    add_channel_options,
-    add_trust_option,
-    add_url_option,
-    channels_of,
-    positive,
-    url_of,
-)
-from graphnav.core.cli.quantities import counted, log_time
+from graphnav.core.api.parameters import TRUST
+from graphnav.core.cli.options import CHANNELS, LOG, URL, channels_of, url_of
+from graphnav.core.cli.quantities import counted, log_time, positive
 from graphnav.core.cli.status import FAILED, OK
 from graphnav.core.cli.status_line import StatusLine
 from graphnav.core.errors import shown_name
+from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.record import LogCursor, Recording
@@ -34,22 +28,19 @@ In a terminal keys pause, step and seek. Nothing leaves this machine unless the 
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = _EXAMPLES
-    parser.add_argument("log", metavar="LOG", type=Path, help="a log, also of lcm-logger, or a run folder")
-    parser.add_argument("--speed", type=positive, default=1.0, metavar="X", help="speed factor (default: 1)")
-    parser.add_argument(
-        "--start", type=log_time, default=0.0, metavar="TIME", help="start of the playback, such as 12.3s"
-    )
-    parser.add_argument("--end", type=log_time, metavar="TIME", help="end of the playback, such as 20s or 2min")
-    parser.add_argument("--loop", action="store_true", help="restart at the end, until Ctrl-C")
-    add_channel_options(parser)
-    add_url_option(parser)
-    add_trust_option(parser)
-
-
+@command(
+    LOG,
+    Parameter("speed", "--speed", type=positive, default=1.0, metavar="X", help="speed factor (default: %(default)g)"),
+    Parameter(
+        "start", "--start", type=log_time, default=0.0, metavar="TIME", help="start of the playback, such as 12.3s"
+    ),
+    Parameter("end", "--end", type=log_time, metavar="TIME", help="end of the playback, such as 20s or 2min"),
+    flag("loop", "--loop", "restart at the end, until Ctrl-C"),
+    *CHANNELS,
+    URL,
+    TRUST,
+    examples=_EXAMPLES,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.bus import Bus

@@ -9,18 +9,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import (
-    add_channel_options,
-    add_types_option,
-    channels_of,
-    count,
-    load_types_of,
-    seconds,
-)
+from graphnav.core.cli.options import CHANNELS, FOR_S, GROUP, TYPES, channels_of, load_types_of
 from graphnav.core.cli.quantities import counted, size, split
 from graphnav.core.cli.status import FAILED, OK
 from graphnav.core.cli.status_line import StatusLine
 from graphnav.core.errors import Place, UserError
+from graphnav.core.parameters import COUNT, Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.interrupts import Interrupt
@@ -40,29 +34,32 @@ lcm-logplayer and 'graphnav play' play the log. Ctrl-C, SIGTERM and SIGHUP end t
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = _EXAMPLES
-    parser.add_argument(
-        "url", nargs="?", metavar="URL", help="where to listen, udpm://... (default: where runs are tapped)"
-    )
-    parser.add_argument(
-        "-o", dest="path", type=Path, metavar="FILE", help="the log (default: record-DATE-TIME.lcmlog in this folder)"
-    )
-    parser.add_argument("--force", action="store_true", help="replace an existing file; with --split, all its parts")
-    add_channel_options(parser)
-    parser.add_argument(
-        "--split", type=split, metavar="SIZE|TIME", help="begin a new file every 100MB, 60s: FILE.0000.lcmlog, ..."
-    )
-    parser.add_argument("--rotate", type=count, metavar="N", help="keep only the newest N files; needs --split")
-    parser.add_argument(
-        "--quota", type=size, metavar="SIZE", help="end when the free space of the disk falls below this (100MB, 5GB)"
-    )
-    add_types_option(parser)
-    parser.add_argument("--for", dest="for_s", type=seconds, metavar="S", help="end after S seconds (default: Ctrl-C)")
-
-
+@command(
+    GROUP.but(help="where to listen, udpm://... (default: where runs are tapped)"),
+    Parameter(
+        "path", "-o", type=Path, metavar="FILE", help="the log (default: record-DATE-TIME.lcmlog in this folder)"
+    ),
+    flag("force", "--force", "replace an existing file; with --split, all its parts"),
+    *CHANNELS,
+    Parameter(
+        "split",
+        "--split",
+        type=split,
+        metavar="SIZE|TIME",
+        help="begin a new file every 100MB, 60s: FILE.0000.lcmlog, ...",
+    ),
+    Parameter("rotate", "--rotate", type=COUNT, metavar="N", help="keep only the newest N files; needs --split"),
+    Parameter(
+        "quota",
+        "--quota",
+        type=size,
+        metavar="SIZE",
+        help="end when the free space of the disk falls below this (100MB, 5GB)",
+    ),
+    *TYPES,
+    FOR_S,
+    examples=_EXAMPLES,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.codec import lcm_text_of

@@ -11,15 +11,10 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import (
-    add_feed_argument,
-    add_trust_option,
-    add_types_option,
-    catalog_of,
-    load_types_of,
-    seconds,
-)
+from graphnav.core.api.parameters import TRUST
+from graphnav.core.cli.options import FEED, FOR_S, JSON, TYPES, catalog_of, load_types_of
 from graphnav.core.cli.status import OK
+from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
@@ -33,27 +28,22 @@ _HINT_S = 3.0
 _PLAIN_TERMINALS = {"dumb", "unknown", ""}
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    add_feed_argument(parser)
-    parser.add_argument(
-        "--once", action="store_true", help="listen for a while, list the channels with their fields and exit"
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
-    parser.add_argument(
-        "--for", dest="for_s", type=seconds, default=2.5, metavar="S", help="how long --once listens (default: 2.5 s)"
-    )
-    parser.add_argument(
+@command(
+    FEED,
+    flag("once", "--once", "listen for a while, list the channels with their fields and exit"),
+    JSON.but(help="print JSON, for programs; implies --once"),
+    FOR_S.but(default=2.5, help="how long --once listens (default: %(default)s s)"),
+    Parameter(
+        "graphics",
         "--graphics",
         choices=("auto", "blocks", "sixel", "kitty"),
         default="blocks",
         help="pictures on the full screen: half blocks, for every terminal; sixels; the kitty protocol; auto "
-        "queries the terminal for the best, half blocks inside tmux and screen (default: blocks)",
-    )
-    add_types_option(parser)
-    add_trust_option(parser)
-
-
+        "queries the terminal for the best, half blocks inside tmux and screen (default: %(default)s)",
+    ),
+    *TYPES,
+    TRUST,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.machine.console import Console

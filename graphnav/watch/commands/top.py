@@ -7,8 +7,9 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import add_feed_argument, add_types_option, load_types_of, seconds
+from graphnav.core.cli.options import FEED, FOR_S, JSON, TYPES, load_types_of
 from graphnav.core.cli.status import OK
+from graphnav.core.parameters import command, flag
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -24,23 +25,17 @@ _EVERY_RUN_S = 1.5
 _KEYS = (("space", "freeze the view, or go on"), ("?", "show the keys, or hide them"), ("q", "quit"))
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    parser.epilog = "keys: " + "; ".join(f"{key}: {what}" for key, what in _KEYS)
-    add_feed_argument(parser)
-    parser.add_argument("--once", action="store_true", help="wait for one status of each run, print it and exit")
-    parser.add_argument("--json", action="store_true", help="print JSON, for programs; implies --once")
-    parser.add_argument(
-        "--for",
-        dest="for_s",
-        type=seconds,
+@command(
+    FEED,
+    flag("once", "--once", "wait for one status of each run, print it and exit"),
+    JSON.but(help="print JSON, for programs; implies --once"),
+    FOR_S.but(
         default=2.5,
-        metavar="S",
-        help="how long to wait for the first status before reporting that there is none (default: 2.5 s)",
-    )
-    add_types_option(parser)
-
-
+        help="how long to wait for the first status before reporting that there is none (default: %(default)s s)",
+    ),
+    *TYPES,
+    about="keys: " + "; ".join(f"{key}: {what}" for key, what in _KEYS),
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.machine.console import Console

@@ -6,9 +6,12 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import add_feed_argument, add_trust_option, add_types_option, catalog_of, load_types_of
+from graphnav.core.api.parameters import TRUST
+from graphnav.core.cli.options import FEED, TYPES, catalog_of, load_types_of
+from graphnav.core.cli.quantities import port_number
 from graphnav.core.cli.status import OK
 from graphnav.core.errors import UserError
+from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
@@ -21,31 +24,31 @@ _FOXGLOVE_PORT = 8765
 _LOOPBACK = "127.0.0.1"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's arguments."""
-    add_feed_argument(parser)
-    parser.add_argument(
+@command(
+    FEED,
+    flag(
+        "foxglove",
         "--foxglove",
-        action="store_true",
-        help="serve Foxglove's WebSocket protocol instead of the page (needs the extra 'foxglove')",
-    )
-    parser.add_argument(
+        "serve Foxglove's WebSocket protocol instead of the page (needs the extra 'foxglove')",
+    ),
+    Parameter(
+        "port",
         "--port",
-        type=_port,
+        type=port_number,
         metavar="N",
         help=f"TCP port, 0 for a free one ({_PORT}; with --foxglove {_FOXGLOVE_PORT})",
-    )
-    parser.add_argument(
+    ),
+    Parameter(
+        "host",
         "--host",
         default=_LOOPBACK,
         metavar="ADDRESS",
-        help=f"address to listen on; any other than {_LOOPBACK} gives other machines access",
-    )
-    parser.add_argument("--open", action="store_true", help="open the page, or Foxglove's, in the browser")
-    add_types_option(parser)
-    add_trust_option(parser)
-
-
+        help="address to listen on; any other than %(default)s gives other machines access",
+    ),
+    flag("open", "--open", "open the page, or Foxglove's, in the browser"),
+    *TYPES,
+    TRUST,
+)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.notices import print_notice
@@ -123,10 +126,3 @@ def _open(url: str) -> None:
     import webbrowser
 
     webbrowser.open(url)
-
-
-def _port(text: str) -> int:
-    """Parse a TCP port."""
-    if text.isdecimal() and text.isascii() and int(text) < 65536:
-        return int(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is not a port: write a number from 0 to 65535")

@@ -11,13 +11,14 @@ from pathlib import Path
 import pytest
 
 from graphnav.core.cli import main
-from graphnav.core.cli.options import count, positive, seconds, seed
-from graphnav.core.cli.quantities import log_time, size, split
-from graphnav.core.cli.spans import period
+from graphnav.core.cli.quantities import log_time, period, port_number, positive, size, split
+from graphnav.core.parameters import COUNT, SEED_NUMBER, Integer, seconds
 
 NUMBERS = ["nan", "inf", "-inf", "1e308", "1e-300", "-1", "0", "9" * 5000, "1e400", "", "x", "²", "٣", "0x10", "1_0"]
 UNITS = ["", "s", "min", "h", "kB", "TiB"]
-PARSERS: list[Callable[[str], object]] = [count, positive, seconds, seed, log_time, size, split, period]
+PARSERS: list[Callable[[str], object]] = [
+    *(COUNT, SEED_NUMBER, Integer(0), positive, seconds, log_time, size, split, period, port_number),
+]
 
 
 @pytest.mark.parametrize("parse", PARSERS)

@@ -208,7 +208,7 @@ def test_errors_say_where_what_and_what_to_do(
     [
         ({"metrics": []}, "no metric to tune for is named"),
         ({"seeds": None}, "no worlds to tune in are named"),
-        ({"trials": 0}, "trials is 0, but must be at least 1"),
+        ({"trials": 0}, "trials must be an integer of at least 1, not 0"),
         ({"trials": "many"}, "trials"),
         ({"search": "aim.gain=1:2"}, "search"),
     ],

@@ -23,11 +23,15 @@ from graphnav.core.api.notices import tell
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import lcm_name, message_class_of
 from graphnav.core.errors import LogError, UserError, did_you_mean, shown_name
+from graphnav.core.parameters import Parameter
 from graphnav.core.record import Recording, find_log
 from graphnav.core.trust import Trust
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+_PATH = Parameter("path", example='"runs/1"')
 
 
 def open_log(path: PathLike, *, trust: bool = False) -> Log:
@@ -45,7 +49,7 @@ def open_log(path: PathLike, *, trust: bool = False) -> Log:
     LogError
         The file cannot be read, or is not an LCM log.
     """
-    name = path_of(path, "path", "runs/1")
+    name = path_of(path, _PATH)
     try:
         return Log(open_completed(find_log(name), Catalog(Trust(runs_all=trust)), tell=tell))
     except OSError as error:

@@ -19,11 +19,12 @@ from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.stall import StallLimit
 from graphnav.core.runner.recording.summary import Summary
+from graphnav.studies import parameters
 from graphnav.studies.ablation.plan import difference_here
 
 IDLE_S = 60.0
 """A process that is idle for this long exits: on a cluster it is not notified of the end of the study."""
-STALL_S = 300.0
+STALL_S: float = parameters.STALL_S.default
 """So long may one call into a stage take in a study: longer than any that ends, so that no study waits for ever."""
 
 

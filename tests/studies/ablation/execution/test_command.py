@@ -18,7 +18,7 @@ import pytest
 
 from graphnav.core.cli import main
 from graphnav.studies.ablation.worker import STALL_S
-from graphnav.studies.commands.ablate import add_arguments
+from graphnav.studies.commands.ablate import main as ablate
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
@@ -121,7 +121,7 @@ def test_a_disk_without_space_for_the_plan_is_named(
 
 def test_calls_that_hang_have_the_same_limit_from_every_door() -> None:
     parser = argparse.ArgumentParser()
-    add_arguments(parser)
+    ablate.declare(parser)
     assert parser.parse_args(["toy"]).stall_s == STALL_S
 
 
