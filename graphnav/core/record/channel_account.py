@@ -35,6 +35,11 @@ class Kind:
     codec: Codec
     is_stamped: bool
 
+    @property
+    def min_bytes(self) -> int:
+        """The size of the shortest complete message."""
+        return _FINGERPRINT_BYTES + self.codec.min_bytes
+
     def stamp(self, data: bytes) -> tuple[int, int] | None:
         """Return the stamp (microseconds) and the sequence number of a message, None without them."""
         if self.is_stamped:

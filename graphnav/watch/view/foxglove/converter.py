@@ -99,7 +99,7 @@ class Converter:
         if kind is None:
             self.losses.add(Reason.UNKNOWN_TYPE, arrival.channel)
             return
-        if not kind.codec.fits(arrival.data):
+        if len(arrival.data) < kind.min_bytes:
             self.losses.add(Reason.UNDECODABLE, arrival.channel)
             return
         channel = self.channels.receive(arrival, kind.lcm_class)
