@@ -33,3 +33,8 @@ def drive(tmp_path: Path) -> Drive:
         return summary, Recording(folder / LOG)
 
     return run
+
+
+@pytest.fixture(autouse=True)
+def _one_pool(study_workers: None) -> None:
+    """Start no worker of studies twice."""

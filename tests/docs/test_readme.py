@@ -28,8 +28,8 @@ def test_the_graph_and_the_stage_drive_and_the_commands_run(tmp_path: Path, grou
     write_files(ROOT / "README.md", tmp_path)
     [block] = blocks(ROOT / "README.md", "sh")
     first, rest = block.split("\n", 1)
-    assert "goal reached" in shell(first, tmp_path, group)
-    shell(shortened(rest), tmp_path, group)
+    assert "goal reached" in shell(first, tmp_path, group, forks=False)
+    shell(shortened(rest), tmp_path, group, forks=False)
 
 
 def test_the_page_is_short_and_hides_nothing() -> None:
