@@ -57,7 +57,6 @@ def ablate(
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
-    check_text(reference, REFERENCE, "the name of a variant")
     request = StudyRequest(
         names=names_of(study),
         varies=varies_of(vary),
@@ -78,6 +77,7 @@ def ablate(
 
 def _made(request: StudyRequest, kept: KeptFolder | None, options: ExecutionOptions) -> Study:
     """Return a study after all its runs were made."""
+    check_text(request.reference, REFERENCE, "the name of a variant")
     catalog = add_plugins(Catalog(Trust(runs_all=True)), request.plugins)
     study = request.check(catalog)
     kept = kept or temporary_folder()
