@@ -41,7 +41,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Cell:
-    """What one cell shows, in one line."""
+    """Content of a cell, in one line."""
 
     text: str = ""
     tone: Tone = ""

@@ -14,7 +14,7 @@ from graphnav.core.record.event import Event
 from graphnav.core.record.recording import Recording
 
 _MIN_ROUND_S = 0.1
-"""A log with a single timestamp must not flood whoever listens when it is looped."""
+"""A log with a single timestamp must not flood its listeners when it is looped."""
 _MAX_TRACK = 4000
 
 
