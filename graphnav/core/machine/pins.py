@@ -7,7 +7,6 @@ variables choose for it, if they are set before the library is loaded.
 from __future__ import annotations
 
 import os
-import platform
 import re
 import sys
 from importlib.util import find_spec
@@ -64,8 +63,8 @@ def unpin() -> None:
 
 def lacking() -> str:
     """Return why this CPU cannot run the pinned instruction set, empty if it can."""
-    if platform.machine() != "x86_64":
-        return f"this CPU is not of x86-64 but {platform.machine() or 'of an unknown kind'}"
+    if (machine := os.uname().machine) != "x86_64":
+        return f"this CPU is not of x86-64 but {machine or 'of an unknown kind'}"
     name, flags = _cpu()
     missing = [flag for flag in BASELINE if flag not in flags]
     return f"this CPU ({name}) has no {', '.join(missing)}" if missing else ""

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -125,12 +126,12 @@ def test_a_cpu_without_the_baseline_is_refused_by_name(
     cpu = tmp_path / "cpuinfo"
     cpu.write_text("processor : 0\nmodel name\t: Old CPU 3000\nflags\t\t: sse sse2 fma\n")
     monkeypatch.setattr(pins, "_CPU_INFO", cpu)
-    monkeypatch.setattr("platform.machine", lambda: "x86_64")
+    monkeypatch.setattr("os.uname", lambda: SimpleNamespace(machine="x86_64"))
     computed.instruction_set.cache_clear()
     monkeypatch.setattr(computed, "instruction_set", lambda: "numpy SSE")
     with pytest.raises(UserError, match=r"this CPU \(Old CPU 3000\) has no avx2, f16c, bmi1, bmi2, movbe, abm, which"):
         computed.require_portable()
-    monkeypatch.setattr("platform.machine", lambda: "aarch64")
+    monkeypatch.setattr("os.uname", lambda: SimpleNamespace(machine="aarch64"))
     with pytest.raises(UserError, match="not of x86-64 but aarch64"):
         computed.require_portable()
 
