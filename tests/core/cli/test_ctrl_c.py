@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.core.cli import main
+from graphnav.core.parameters import command
 from graphnav.develop.commands import doctor
 
 IN_AN_IMPORT = """
@@ -114,6 +115,6 @@ def test_an_error_that_ctrl_c_causes_is_not_shown(
         finally:
             raise RuntimeError("not closed")
 
-    monkeypatch.setattr(doctor, "main", stopped)
+    monkeypatch.setattr(doctor, "main", command()(stopped))
     assert main(["doctor"]) == 130
     assert capsys.readouterr().err == "stopped\n"

@@ -124,7 +124,7 @@ def test_check_says_what_it_leaves_out_and_checks_the_rest(has_run: HasRun, caps
     whats = [line.partition(": ")[2] for line in capsys.readouterr().err.splitlines() if line.startswith("theirs")]
     assert whats == [
         "left out: plugin mine.py, Python code that is not trusted in theirs",
-        "'run' has no key 'unti'",
+        "run has no key 'unti'",
         "flow.lucas_kanade has no input 'imag'",
     ]
     assert not has_run()
