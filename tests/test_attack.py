@@ -53,9 +53,9 @@ def test_harm_is_seen(outcome: Outcome, fault: str) -> None:
 
 
 def test_a_check_has_less_time_and_memory() -> None:
-    outcome = Outcome(0, "fine", 3.0, 400.0, cpu_s=2.5)
+    outcome = Outcome(0, "fine", 7.0, 400.0, cpu_s=6.5)
     assert faults(outcome) == []
-    assert faults(outcome, of_check=True) == ["takes 2.5 s of processor time", "takes 400 MB"]
+    assert faults(outcome, of_check=True) == ["takes 6.5 s of processor time", "takes 400 MB"]
 
 
 def test_what_does_harm_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,8 +8,8 @@ from typing import NamedTuple
 STATUSES = (0, 1, 2)
 MAX_S = 10.0
 MAX_MB = 500.0
-MAX_CHECK_S, MAX_CHECK_MB = 2.0, 300.0
-"""Of ``check``, the time that its process was given by the processors."""
+MAX_CHECK_S, MAX_CHECK_MB = 6.0, 300.0
+"""Of ``check``, the time that its process was given by the processors: it takes 0.3 s to 1 s, more on a loaded one."""
 _OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff]")
 """Characters that a terminal obeys or does not show; tabs and line breaks are layout."""
 _TRACEBACK = "Traceback (most recent call last)"
