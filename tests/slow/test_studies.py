@@ -122,7 +122,7 @@ def _share(
     who = f"{graph}: {' + '.join(labels.values())}"
     ends = [run["outcome"] == "goal" for run in _chosen(runs, graph, labels)]
     if not ends:
-        targets.check(f"{who}: there is no run", good=False)
+        targets.check(f"{who}: has not run", good=False)
         return
     count = sum(ends) if what == "arrived" else len(ends) - sum(ends)
     low, high = wilson(count, len(ends))

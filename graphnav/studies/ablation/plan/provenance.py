@@ -35,7 +35,7 @@ class Difference(NamedTuple):
 
     @property
     def hint(self) -> str:
-        """How to make both the same, empty if there is no one way."""
+        """How to make both the same, empty where that depends."""
         if self.name != INSTRUCTION_SET:
             return ""
         if self.old == PORTABLE:
