@@ -110,6 +110,8 @@ class SenderMonitor:
         self._timeline: Candidate | None = None
         self._own: WriterStream | None = None
         self._own_heard_s = -math.inf
+        self._own_program = ""
+        """The program that sent the newest accepted message whose program is known."""
         self._other: _Other | None = None
         self._alone_since_s = math.inf
         self._is_contested = self._is_mixed = self._is_restarted = False
@@ -210,7 +212,7 @@ class SenderMonitor:
         if seq is not None and own is not None and not self._is_echo(own, seq, message, newest):
             is_twin = own.is_twin(seq, stamp)
             if is_twin or not self._is_own(own, seq, message):
-                self._compare_writer(newest, message)
+                self._compare_program(message)
                 return self._judge_other(own, seq, message, is_twin=is_twin)
             self.missing += max(0, seq - own.seq - 1 - self.unread)
             self.unread = 0
@@ -289,9 +291,9 @@ class SenderMonitor:
         detail = f"seq {other.stream.seq} beside {own.seq}, {other.rate_hz(max_age_s):.1f} Hz; the first writer is used"
         return self._rejected(message, SECOND_WRITER, detail)
 
-    def _compare_writer(self, newest: _Arrived, message: _Arrived) -> None:
+    def _compare_program(self, message: _Arrived) -> None:
         """Note whether a message that does not continue the accepted stream is from the same, only, program."""
-        before, self._is_restarted = self._is_restarted, bool(message.writer) and message.writer == newest.writer
+        before, self._is_restarted = self._is_restarted, bool(message.writer) and message.writer == self._own_program
         if before and not self._is_restarted:
             self._other = None  # the packet of another program was noted after its message
 
@@ -299,8 +301,11 @@ class SenderMonitor:
         self, own: WriterStream, seq: int, message: _Arrived, base_s: float, *, alone_since_s: float
     ) -> Verdict:
         """Accept another writer; the fault lets a robot stop once in between."""
-        taken_over = f"another writer took over: seq {seq} after {own.seq}"
-        self._note(_restart(own, seq, message) if self._is_restarted else taken_over, message)
+        if self._is_restarted:
+            self._note(_restart(own, seq, message), message)
+        else:
+            self._note(f"another writer took over: seq {seq} after {own.seq}", message)
+            self._own_program = ""
         self._alone_since_s, self._is_contested = alone_since_s, False
         self._periods.forget()
         return self._adopt(message, base_s, is_restart=True)
@@ -327,6 +332,7 @@ class SenderMonitor:
     def _adopt_alone(self, message: _Arrived) -> Verdict:
         """Accept the only writer that remains of several."""
         self._alone_since_s, self._is_contested, self._is_mixed = -math.inf, False, False
+        self._own_program = ""
         return self._adopt(message, message.delay_s, is_restart=True)
 
     def _adopt(self, message: _Arrived, base_s: float, *, is_restart: bool) -> Verdict:
@@ -341,6 +347,7 @@ class SenderMonitor:
     def _accepted(self, message: _Arrived, delay: Delay, *, is_restart: bool) -> Verdict:
         self.accepted += 1
         self._newest, self._timeline = message, None
+        self._own_program = message.writer or self._own_program
         if self._own is None and message.seq is not None:
             self._own = WriterStream(message.seq, message.stamp, message.arrival_s)
         self._periods.arrive(message.arrival_s, is_restart=is_restart)

@@ -269,6 +269,26 @@ def test_a_sender_that_starts_again_is_used_after_a_fault_that_tells_it() -> Non
     assert not camera.monitor.fault(camera.arrival_s)
 
 
+def test_a_restart_is_told_although_the_packet_of_the_last_message_before_it_was_noted_late() -> None:
+    camera = Camera(SenderMonitor(0.5), seq=5000, rate_hz=10, writers=OWN)
+    camera.send(20)
+    camera.writers = ()
+    camera.send(1)
+    camera.writers, camera.seq = OWN, 0
+    assert set(reasons(camera.send(4))) == {"restarted"}
+
+
+def test_the_program_of_a_former_writer_is_not_that_of_the_next_one() -> None:
+    monitor = SenderMonitor(0.5)
+    first, second = (Camera(monitor, seq=seq, rate_hz=10, writers=OWN) for seq in (1000, 17))
+    first.send(20)
+    second.writers, second.frame = (), 40
+    while not second.send(1)[0].accepted:
+        assert second.seq < 30
+    first.frame = second.frame
+    assert reasons(first.send(1)) == ["second writer"]
+
+
 def test_a_second_writer_whose_packet_was_noted_late_is_one() -> None:
     monitor = SenderMonitor(5)
     first, second = (Camera(monitor, seq=seq, rate_hz=10, writers=OWN) for seq in (1000, 17))
