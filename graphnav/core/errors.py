@@ -1,18 +1,22 @@
-"""Errors in one shape: where, what, and what to do."""
+"""Errors in one shape: where, what, and what to do.
+
+Every start of the command line loads this module, so that it loads little: no dataclasses, pathlib or difflib.
+"""
 
 from __future__ import annotations
 
-import difflib
+import os
 import re
 import sys
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from graphnav.core.interrupts import CtrlC
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _MAX_LINE = 1000
 """The longest line that is made of what a plugin raised or returned, characters."""
@@ -25,8 +29,7 @@ ProblemKind = Literal["wrong", "unknown", "ambiguous", "duplicate", "untrusted"]
 not run; ``wrong``: anything else."""
 
 
-@dataclass(frozen=True, order=True)
-class Place:
+class Place(NamedTuple):
     """Location of something in a file, or an option of the command line as it was typed.
 
     ``line`` and ``column`` count from 1, 0 if unknown. Without a line the column says which value of an option it is,
@@ -44,8 +47,7 @@ class Place:
         return f"{file}:{self.line}:{self.column}" if self.column else f"{file}:{self.line}"
 
 
-@dataclass(frozen=True)
-class Suggestion:
+class Suggestion(NamedTuple):
     """Words to write instead; false if there are none."""
 
     names: tuple[str, ...]
@@ -63,20 +65,38 @@ class Suggestion:
 Hint = str | Suggestion
 
 
-@dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong: where, what, and an imperative that fixes it (empty if there is none)."""
+    """One thing that is wrong: where, what, and an imperative that fixes it (empty if there is none).
 
-    place: Place | None
-    what: str
-    hint: Hint = ""
-    kind: ProblemKind = "wrong"
-    raised: BaseException | None = field(default=None, compare=False)
-    """The exception of a plugin, if that is the problem: its traceback can be shown."""
+    ``raised``: the exception of a plugin, if that is the problem: its traceback can be shown. It is not compared.
+    """
 
-    def __post_init__(self) -> None:
-        if self.kind == "wrong" and self.suggestion:
-            object.__setattr__(self, "kind", "unknown")  # a near name is proposed where one is not known
+    __slots__ = ("hint", "kind", "place", "raised", "what")
+
+    def __init__(
+        self,
+        place: Place | None,
+        what: str,
+        hint: Hint = "",
+        kind: ProblemKind = "wrong",
+        raised: BaseException | None = None,
+    ) -> None:
+        self.place, self.what, self.hint, self.raised = place, what, hint, raised
+        # a near name is proposed where one is not known
+        self.kind: ProblemKind = "unknown" if kind == "wrong" and self.suggestion else kind
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Problem) and self._compared == other._compared
+
+    def __hash__(self) -> int:
+        return hash(self._compared)
+
+    def __repr__(self) -> str:
+        return f"Problem{self._compared}"
+
+    @property
+    def _compared(self) -> tuple[Place | None, str, Hint, ProblemKind]:
+        return self.place, self.what, self.hint, self.kind
 
     @property
     def suggestion(self) -> str:
@@ -184,6 +204,8 @@ def did_you_mean(word: str, known: Iterable[str], renamed: Mapping[str, str] = M
     """
     if word in renamed:
         return Suggestion((renamed[word],), f"did you mean '{renamed[word]}'? It was renamed")
+    import difflib  # noqa: PLC0415 - see the module
+
     near = difflib.get_close_matches(word, sorted(known), n=1, cutoff=0.6)
     return Suggestion(tuple(near), f"did you mean '{near[0]}'?") if near else Suggestion((), "")
 
@@ -220,9 +242,9 @@ def raised_line(error: BaseException, modules: Iterable[str] = ()) -> str:
     if not found:
         return ""
     (frame, line), name = frames[found[-1]], names[found[-1]]
-    path = Path(frame.f_code.co_filename)
-    depth = name.count(".") + (2 if path.stem == "__init__" else 1)
-    file, function = "/".join(path.parts[-depth:]), frame.f_code.co_name
+    parts = frame.f_code.co_filename.split(os.sep)
+    depth = name.count(".") + (2 if parts[-1] == "__init__.py" else 1)
+    file, function = "/".join(parts[-depth:]), frame.f_code.co_name
     where = "" if function == "<module>" else f" in {function}"
     return _bounded(shown_name(f"{type(error).__name__} at {file}:{line}{where}"))
 
@@ -289,7 +311,7 @@ def _escape(char: str) -> str:
 def shown_path(path: Path) -> str:
     """Return a path as errors name it: from the working folder where it lies below."""
     try:
-        return shown_name(str(path.resolve().relative_to(Path.cwd())))
+        return shown_name(str(path.resolve().relative_to(os.getcwd())))
     except ValueError:
         return shown_name(str(path))
 

@@ -10,13 +10,12 @@ import os
 import re
 import sys
 from importlib.util import find_spec
-from pathlib import Path
 
 BASELINE = ("avx2", "fma", "f16c", "bmi1", "bmi2", "movbe", "abm")
 """Flags of a CPU that has the pinned instruction set, as Linux spells them: x86-64-v3, of Intel from 2013, AMD 2015."""
 OPT_OUT = "GRAPHNAV_PORTABLE"
 """The environment variable that, set to 0, lets the libraries choose."""
-_CPU_INFO = Path("/proc/cpuinfo")
+_CPU_INFO = "/proc/cpuinfo"
 _MAX_CPU_INFO = 16_384
 _LIBRARIES = ("numpy", "cv2")
 _CHOOSING = ("NPY_ENABLE_CPU_FEATURES", "OPENCV_CPU_DISABLE")
@@ -73,7 +72,7 @@ def lacking() -> str:
 def _cpu() -> tuple[str, frozenset[str]]:
     """Return the model and the flags of the first processor."""
     try:
-        with _CPU_INFO.open(encoding="utf-8", errors="replace") as file:
+        with open(_CPU_INFO, encoding="utf-8", errors="replace") as file:
             text = file.read(_MAX_CPU_INFO)
     except OSError:
         return "unknown", frozenset()
@@ -95,6 +94,7 @@ def _numpy_version() -> tuple[int, int]:
     spec = find_spec("numpy")
     assert spec is not None, "numpy is a dependency"
     assert spec.origin is not None, "numpy is a package with a file"
-    text = Path(spec.origin).with_name("version.py").read_text(encoding="utf-8")
+    with open(os.path.join(os.path.dirname(spec.origin), "version.py"), encoding="utf-8") as file:
+        text = file.read()
     found = re.search(r"""^(?:short_)?version\s*=\s*["'](\d+)\.(\d+)""", text, re.MULTILINE)
     return (int(found[1]), int(found[2])) if found else (0, 0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from graphnav.core.codec import EncodeError, codec_of, fields_of, lcm_name
@@ -75,12 +74,14 @@ def _not_a_mapping(text: str) -> Value | None:
 
 
 def _moved(problem: Problem, *, is_bare: bool) -> Problem:
-    return replace(problem, place=_place(problem.place)) if is_bare and problem.place else problem
+    if not is_bare or problem.place is None:
+        return problem
+    return Problem(_place(problem.place), problem.what, problem.hint, problem.kind, problem.raised)
 
 
 def _place(place: Place) -> Place:
     """Return the location in the original line of a location in the line with braces."""
-    return replace(place, column=max(1, place.column - 1)) if place.line == 1 else Place(SOURCE)
+    return place._replace(column=max(1, place.column - 1)) if place.line == 1 else Place(SOURCE)
 
 
 def _without_brace(value: Value) -> Value:

@@ -236,7 +236,7 @@ def _origins(study: Study, variant: Variant) -> dict[Place, Origin]:
 
 def _shown(place: Place) -> Place:
     """Return a place without the number of a value in an option."""
-    return place if place.line else replace(place, column=0)
+    return place if place.line else place._replace(column=0)
 
 
 def _swaps(overrides: Iterable[Override]) -> dict[str, str]:

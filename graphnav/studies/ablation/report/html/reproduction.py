@@ -7,7 +7,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from graphnav.core.errors import UserError
+from graphnav.core.errors import Problem, UserError
 from graphnav.core.graph import graph_of
 from graphnav.core.render import svg_of
 from graphnav.studies.ablation.plan import Case
@@ -53,7 +53,8 @@ def _drawing(study: StudyResults, cases: list[Case]) -> _Drawing:
             base.graph_yaml.encode(), _FILE, study.catalog, replaced=plugins, is_record=True
         )
     except UserError as error:
-        reason = str(replace(error.problems[0], hint=""))
+        first = error.problems[0]
+        reason = str(Problem(first.place, first.what))
     else:
         picture = svg_of(replace(graph, about="", path=_FILE), notes)
     return _Drawing(picture, reason, tuple(changes))
