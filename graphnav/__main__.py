@@ -3,7 +3,7 @@
 import sys
 
 from graphnav.core.interrupts import end_at_interrupt
-from graphnav.core.machine.leftover_threads import end_despite_threads
+from graphnav.core.machine import end_despite_threads
 
 
 def main() -> int:

@@ -12,8 +12,7 @@ import numpy as np
 
 from graphnav.core.codec import encode
 from graphnav.core.errors import DeclarationError, ParamError
-from graphnav.core.graph.find import shipped_folder
-from graphnav.core.graph.paths import resolve_paths
+from graphnav.core.graph import resolve_paths, shipped_folder
 from graphnav.core.messages import Message
 from graphnav.core.stage import (
     MAY_READ_TRUTH,

@@ -16,7 +16,7 @@ COMMANDS = ("graphnav/core/cli/", *(f"graphnav/{room}/commands/" for room in ROO
 """Commands print to standard output and error, which ``graphnav.core.cli.main`` has replaced by streams that escape."""
 DOORS = {
     "graphnav/core/machine/console.py": "the console that escapes",
-    "graphnav/core/machine/escaped_output.py": "the streams that escape",
+    "graphnav/core/machine/escaped_streams.py": "the streams that escape",
     "graphnav/core/notices.py": "escapes what it prints",
     "graphnav/core/render/html_templates.py": "escapes what templates show",
     "graphnav/studies/ablation/worker/__main__.py": "prints tracebacks to the streams that escape",
@@ -90,7 +90,7 @@ def test_nothing_writes_past_the_doors() -> None:
         "from jinja2 import Environment",
         "from rich.text import Text; Text.from_markup('a')",
         "from rich.progress import TextColumn; TextColumn('{task.description}')",
-        "from graphnav.core.machine.escaped_output import unescaped",
+        "from graphnav.core.machine.escaped_streams import unescaped",
     ],
 )
 def test_a_bypass_is_found(code: str) -> None:

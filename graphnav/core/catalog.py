@@ -31,7 +31,7 @@ from graphnav.core.errors import (
 )
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message, snake_case
-from graphnav.core.stage import Port, Role, Source, Stage, former_names, metrics_of, params_of, ports_of
+from graphnav.core.stage import FormerNames, Port, Role, Source, Stage, metrics_of, params_of, ports_of
 from graphnav.core.trust import Trust, read_plugin
 
 GROUP = "graphnav"
@@ -306,7 +306,7 @@ def _check_role(cls: type[Stage], origin: str) -> None:
     role: object = cls.role
     if role in get_args(Role):
         return
-    near = did_you_mean(role, get_args(Role), former_names.ROLES) if isinstance(role, str) else ""
+    near = did_you_mean(role, get_args(Role), FormerNames.ROLES) if isinstance(role, str) else ""
     shown = f"'{role}'" if isinstance(role, str) else f"a {type(role).__name__}"
     hint = near or f"roles are {', '.join(get_args(Role))}"
     raise CatalogError(f"{origin}: the role of {cls.__qualname__} is {shown}", hint)

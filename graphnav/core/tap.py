@@ -14,6 +14,7 @@ from graphnav.core.bus import Bus, fits_packet, require_route, with_defaults
 from graphnav.core.codec import decode, encode, message_class_of, type_named
 from graphnav.core.errors import GraphnavError, shown_name
 from graphnav.core.large_messages.child import PACKET_BYTES
+from graphnav.core.lcm_url import tap_url
 from graphnav.core.messages import About, Message
 from graphnav.core.notices import print_notice
 from graphnav.core.record import ABOUT
@@ -201,3 +202,23 @@ class Tap:
 
 def _cut(name: str) -> str:
     return name if len(name) <= _MAX_ID else f"{name[:_MAX_ID]}…"
+
+
+def open_tap(
+    mode: Literal["thin", "full", "none"],
+    run_id: str,
+    *,
+    tell: Callable[[str], None],
+    notice: Callable[[str], None] | None = None,
+) -> Tap | None:
+    """Return the tap of a run, or None if it is off or there is no multicast.
+
+    ``tell`` gets the reason if there is none; ``notice``, by default the same, gets notices of other runs on its group.
+    """
+    if mode == "none":
+        return None
+    try:
+        return Tap(mode, run_id, tap_url(), notice or tell)
+    except GraphnavError as error:
+        tell(f"no tap: {error}")
+        return None

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from graphnav.core.api.arguments import PathLike, check_choice
-from graphnav.core.api.load import loaded, with_run_options
-from graphnav.core.api.notices import tell
-from graphnav.core.api.one_thread import one_thread
-from graphnav.core.api.open_tap import open_tap
-from graphnav.core.api.parameters import OF_RUN, TAP, TapMode
-from graphnav.core.api.result_folder import new_folder
+from graphnav import Graph, UserError
+from graphnav.core.api import (
+    OF_RUN,
+    TAP,
+    PathLike,
+    TapMode,
+    check_choice,
+    loaded,
+    new_folder,
+    one_thread,
+    tell,
+    with_run_options,
+)
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import UserError
-from graphnav.core.graph import Graph
 from graphnav.core.parameters import documented
-from graphnav.core.runner import Outcome
-from graphnav.core.runner.recording.run_recorded import new_run_id
+from graphnav.core.runner import Outcome, new_run_id
+from graphnav.core.tap import open_tap
 from graphnav.core.trust import Trust
 from graphnav.develop.parameters import CLOCK, FUNCTIONS, Clock
 from graphnav.develop.profiling import NothingMeasuredError, Profile, functions_missing, measure, refuse_live

@@ -10,9 +10,10 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 
+from graphnav import Graph, GraphnavError
 from graphnav.core.bus import Bus
-from graphnav.core.errors import BusError, GraphnavError
-from graphnav.core.graph import Graph, OutputChannel
+from graphnav.core.errors import BusError
+from graphnav.core.graph import OutputChannel
 from graphnav.live.health.observer import Observer
 from graphnav.live.inputs.packet_sources import PacketSources
 from graphnav.live.inputs.receiver import Receiver, Takes

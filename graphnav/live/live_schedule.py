@@ -7,17 +7,25 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 
+from graphnav import Graph, GuardState, Message, Stage
 from graphnav.core.codec import encode
-from graphnav.core.graph import Channel, Graph, Node
-from graphnav.core.messages import GuardState, Message
-from graphnav.core.runner.engine import Engine, Outcome, Sink
-from graphnav.core.runner.firing import FIRED, Taken, Used, encoded_firing
-from graphnav.core.runner.join import MatchedSet
-from graphnav.core.runner.live_inbox import LiveInbox
-from graphnav.core.runner.stage_calls import StageCalls
-from graphnav.core.runner.timer import Timer, every
-from graphnav.core.runner.unit import Unit
-from graphnav.core.stage import Port, Stage
+from graphnav.core.graph import Channel, Node
+from graphnav.core.runner import (
+    FIRED,
+    Engine,
+    LiveInbox,
+    MatchedSet,
+    Outcome,
+    Sink,
+    StageCalls,
+    Taken,
+    Timer,
+    Unit,
+    Used,
+    encoded_firing,
+    every,
+)
+from graphnav.core.stage import Port
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.intake import Intake, Received
 from graphnav.live.outlet import Outlet

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
+from graphnav import Message
 from graphnav.core.bus import Bus
 from graphnav.core.codec import codec_of
 from graphnav.core.errors import BusError, one_line
 from graphnav.core.graph import OutputChannel, stop_fields
 from graphnav.core.interrupts import CtrlC
-from graphnav.core.messages import Message
-from graphnav.core.runner.durations import Durations
+from graphnav.core.runner import Durations
 from graphnav.live.clock import LiveClock
 from graphnav.live.motors.channel import MotorChannel
 from graphnav.live.motors.offsets import offsets_of

@@ -8,26 +8,29 @@ from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 
+from graphnav import Graph, GraphnavError, Stage, Status
 from graphnav.core.bus import same_group
 from graphnav.core.codec import encode
-from graphnav.core.errors import GraphnavError
-from graphnav.core.graph import Graph
 from graphnav.core.interrupts import Interrupt
 from graphnav.core.lcm_url import live_url
-from graphnav.core.messages import Status
 from graphnav.core.notices import print_notice
 from graphnav.core.record import ABOUT, LOG, ThreadedLogWriter
-from graphnav.core.runner.engine import Outcome, Sink
-from graphnav.core.runner.recording.kept_messages import ChannelsExcept, kept, open_log
-from graphnav.core.runner.recording.live_about import live_about
-from graphnav.core.runner.recording.recorded_run import Measured, RecordedRun
-from graphnav.core.runner.recording.run_recorded import LiveSink
-from graphnav.core.runner.recording.saved_graph import save_graph
-from graphnav.core.runner.recording.stall import StallLimit
-from graphnav.core.runner.recording.summary import Summary
-from graphnav.core.runner.stage_calls import StageCalls
-from graphnav.core.runner.status import STATUS
-from graphnav.core.stage import Stage
+from graphnav.core.runner import (
+    STATUS,
+    ChannelsExcept,
+    LiveSink,
+    Measured,
+    Outcome,
+    RecordedRun,
+    Sink,
+    StageCalls,
+    StallLimit,
+    Summary,
+    kept,
+    live_about,
+    open_log,
+    save_graph,
+)
 from graphnav.live.clock import LiveClock
 from graphnav.live.connections import opened
 from graphnav.live.health.observer import Observer

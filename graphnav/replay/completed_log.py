@@ -15,14 +15,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav import __version__
+from graphnav import About, GraphnavError, Recording, UserError, __version__
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import GraphnavError, LogError, UserError, message_line, shown_name
-from graphnav.core.machine.regular_file import is_own
-from graphnav.core.machine.user_folders import user_folder
-from graphnav.core.messages import About
-from graphnav.core.record import Recording
-from graphnav.core.record.find_log import parts_of
+from graphnav.core.errors import LogError, message_line, shown_name
+from graphnav.core.machine import is_own, user_folder
+from graphnav.core.record import parts_of
 from graphnav.core.run_folder import GRAPH
 from graphnav.core.trust import read_plugin, run_digest
 from graphnav.replay.comparison.result import ReplayResult

@@ -6,9 +6,8 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from graphnav.core.errors import UserError, did_you_mean
-from graphnav.core.graph import Channel, Graph, Node
-from graphnav.core.graph.wiring.settings import SET
+from graphnav import Graph, UserError, did_you_mean
+from graphnav.core.graph import SET, Channel, Node
 
 
 @dataclass(frozen=True)

@@ -10,17 +10,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
+from graphnav import About, GraphnavError, Recording, UserError
 from graphnav.core.codec import DecodeError, encode
-from graphnav.core.errors import GraphnavError, StageError, UserError
-from graphnav.core.graph.wiring.channels import RESERVED
+from graphnav.core.errors import StageError
+from graphnav.core.graph import RESERVED
 from graphnav.core.interrupts import third_party_code
-from graphnav.core.messages import About
-from graphnav.core.record import ABOUT, LogWriter, Recording
-from graphnav.core.runner.engine import Engine
-from graphnav.core.runner.recording.failures import Failures
-from graphnav.core.runner.recording.live_about import live_about
-from graphnav.core.runner.recording.run_recorded import about_of
-from graphnav.core.runner.recording.summary import scores_of
+from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.runner import Engine, Failures, about_of, live_about, scores_of
 from graphnav.replay.comparison.comparison import Comparison, Scope
 from graphnav.replay.comparison.field_differences import Tolerance
 from graphnav.replay.comparison.result import ReplayResult, Reproduced

@@ -6,10 +6,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.core.errors import UserError
-from graphnav.core.record import Recording
-from graphnav.core.runner.engine import Sink
-from graphnav.core.stage import Stage
+from graphnav import Recording, Stage, UserError
+from graphnav.core.runner import Sink
 from graphnav.replay.log.check_log import reach_of, refuse_unlogged, refuse_unread, refuse_unreadable
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import read_firings

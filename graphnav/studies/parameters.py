@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from graphnav.core.api.parameters import FOLDER as FOLDER_OF_RUN
+from graphnav.core.api import FOLDER as FOLDER_OF_RUN
 from graphnav.core.parameters import COUNT, SEED_NUMBER, Integer, Parameter, flag, many, seconds
 
 STUDY = Parameter(

@@ -12,9 +12,8 @@ from rich import box
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from graphnav.core.api.extras import import_pandas
-from graphnav.core.machine.console import Console
-from graphnav.core.machine.fitted_tables import fitted_tables
+from graphnav.core.api import import_pandas
+from graphnav.core.machine import Console, fitted_tables
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,9 +6,10 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
-from graphnav.core.errors import BusError, GraphnavError, LogError, Place, UserError, did_you_mean, shown_name
+from graphnav import GraphnavError, Place, Recording, UserError, did_you_mean
+from graphnav.core.errors import BusError, LogError, shown_name
 from graphnav.core.keyboard import KeyDecoder
-from graphnav.core.record import ChannelFilter, LogCursor, Recording
+from graphnav.core.record import ChannelFilter, LogCursor
 
 HELP = "keys: space pause, n next message, left/right 5 s, -/+ speed, q quit"
 

@@ -15,7 +15,7 @@ from graphnav_score.navigation import Navigation
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.cli import main
-from graphnav.core.stage import UNDEFINED, former_names, metrics_of, params_of
+from graphnav.core.stage import UNDEFINED, FormerNames, metrics_of, params_of
 from graphnav.studies.ablation.execution import read_plan
 from graphnav.studies.ablation.results import pair_studies, read_records
 
@@ -47,7 +47,7 @@ def former_study(tmp_path: Path) -> Path:
 def table_of(path: Path) -> list[dict[str, str]]:
     """Return the lines of ``results.csv`` under the names of today."""
     with path.open(newline="", encoding="utf-8") as file:
-        return [{former_names.metric_now(name): value for name, value in row.items()} for row in csv.DictReader(file)]
+        return [{FormerNames.metric_now(name): value for name, value in row.items()} for row in csv.DictReader(file)]
 
 
 def test_the_report_of_a_study_has_the_names_of_today(former_study: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -101,7 +101,7 @@ def _has_the_same_cells(former: list[dict[str, str]], today: list[dict[str, str]
     """
     declared = {f"drive.{name}": metric for name, metric in metrics_of(Navigation).items()}
     undefined = {name for name, metric in declared.items() if metric.if_failed == UNDEFINED}
-    gone = {f"drive.{name}" for name in former_names.REPLACED_METRICS}
+    gone = {f"drive.{name}" for name in FormerNames.REPLACED_METRICS}
     for old, new in zip(former, today, strict=True):
         assert old.keys() - gone == new.keys() - NEW_METRICS - NEW_COLUMNS
         assert [old[name] for name in ("variant", "seed", "outcome")] == [

@@ -148,6 +148,6 @@ def test_nothing_but_a_declaration_adds_to_a_parser() -> None:
     package = Path(graphnav.__file__).parent
     found = [path for path in package.rglob("*.py") if ".add_argument(" in path.read_text(encoding="utf-8")]
     assert sorted(path.relative_to(package).as_posix() for path in found) == [
-        "core/cli/__init__.py",
+        "core/cli/command_line.py",
         "core/parameters.py",
     ]

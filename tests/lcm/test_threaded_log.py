@@ -16,8 +16,8 @@ import pytest
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Gap
 from graphnav.core.record import ABOUT, GAP, LOG, LogGap, LogWriter, Recording, ThreadedLogWriter, threaded_writer
-from graphnav.core.record.find_log import files_of, numbered
 from graphnav.core.record.log_files import LogFiles, Split
+from graphnav.core.record.log_paths import files_of, numbered
 from graphnav.core.runner.recording.kept_messages import open_log
 from graphnav.core.spec import RunOptions
 

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graphnav.core.api.arguments import PathLike, check_choice, check_number, check_text
+from graphnav.core.api.blas_threads import one_thread
 from graphnav.core.api.execute import execute, runs_live
 from graphnav.core.api.finished_run import Run
 from graphnav.core.api.load import add_plugins, loaded, with_run_options
 from graphnav.core.api.notices import tell
-from graphnav.core.api.one_thread import one_thread
-from graphnav.core.api.open_tap import open_tap
 from graphnav.core.api.parameters import LIVE_URL, OF_RUN, PACE, TAP, TapMode
 from graphnav.core.api.result_folder import new_folder
 from graphnav.core.catalog import Catalog
@@ -27,6 +26,7 @@ from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.full_log import FullLog
 from graphnav.core.runner.recording.run_recorded import new_run_id
 from graphnav.core.spec import RecordOption
+from graphnav.core.tap import open_tap
 from graphnav.core.trust import Trust
 
 _drawing = threading.Lock()

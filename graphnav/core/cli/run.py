@@ -66,7 +66,6 @@ if TYPE_CHECKING:
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.api.execute import runs_live
-    from graphnav.core.api.open_tap import open_tap
     from graphnav.core.lcm_url import tap_url
     from graphnav.core.machine.console import Console
     from graphnav.core.report.folder import make_run_folder, removed_if_empty
@@ -74,6 +73,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.runner.recording.full_log import FullLog
     from graphnav.core.runner.recording.run_recorded import new_run_id
     from graphnav.core.runner.recording.summary import SUMMARY
+    from graphnav.core.tap import open_tap
 
     catalog, graph = load(args, runs=True)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
@@ -104,7 +104,7 @@ def main(args: argparse.Namespace) -> int:
 
 def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
     """Draw the pictures of a run; return the files of its folder as they are listed, logs with their sizes."""
-    from graphnav.core.record.find_log import parts_of
+    from graphnav.core.record.log_paths import parts_of
     from graphnav.core.report.pictures import draw_all
     from graphnav.core.run_folder import GRAPH, LOG
     from graphnav.core.runner.recording.log_forecast import size_text

@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Self
 
 from graphnav.core.errors import shown_name
-from graphnav.core.machine.escaped_output import unescaped
+from graphnav.core.machine.escaped_streams import unescaped
 
 
 class StatusLine:

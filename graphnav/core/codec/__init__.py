@@ -16,7 +16,7 @@ from graphnav.core.codec.known_types import (
     type_named,
     type_of,
 )
-from graphnav.core.codec.layout import fields_of, fingerprint, lcm_name
+from graphnav.core.codec.layout import Field, fields_of, fingerprint, lcm_name
 from graphnav.core.codec.message_fields import check_fields
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "Codec",
     "DecodeError",
     "EncodeError",
+    "Field",
     "add_given_types",
     "add_type",
     "check_fields",

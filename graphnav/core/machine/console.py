@@ -12,7 +12,7 @@ from rich.file_proxy import FileProxy
 from rich.segment import Segment
 
 from graphnav.core.errors import printable
-from graphnav.core.machine.escaped_output import unescaped
+from graphnav.core.machine.escaped_streams import unescaped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

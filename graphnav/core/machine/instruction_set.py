@@ -18,7 +18,7 @@ PORTABLE = "AVX2 and FMA"
 
 
 @cache
-def instruction_set() -> str:
+def used_instruction_set() -> str:
     """Return `PORTABLE`, or what numpy, OpenCV and BLAS have chosen by the CPU."""
     numpy, opencv, blas = _numpy(), _opencv(), _blas()
     beyond = [feature for feature in (*numpy, *opencv) if feature.startswith(("AVX512", "X86_V4", "IPP"))]
@@ -31,19 +31,19 @@ def instruction_set() -> str:
 
 def expected_instruction_set() -> str:
     """Return what a process that this one starts computes with."""
-    return instruction_set() if os.environ.get(OPT_OUT) == "0" or lacking() else PORTABLE
+    return used_instruction_set() if os.environ.get(OPT_OUT) == "0" or lacking() else PORTABLE
 
 
 def require_portable() -> None:
     """Raise UserError if this process does not compute with `PORTABLE`."""
-    if instruction_set() == PORTABLE:
+    if used_instruction_set() == PORTABLE:
         return
     if what := lacking():
         raise UserError.of(f"{what}, which portable runs need", "run without 'portable', and compare only such runs")
     hint = "import graphnav before numpy, OpenCV and scipy"
     if os.environ.get(OPT_OUT) == "0":
         hint = f"run without --no-portable, and without {OPT_OUT}=0 in the environment"
-    raise UserError.of(f"a portable run needs {PORTABLE}, but this process has {instruction_set()}", hint)
+    raise UserError.of(f"a portable run needs {PORTABLE}, but this process has {used_instruction_set()}", hint)
 
 
 def _numpy() -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """Pictures of single messages, drawn by plugins."""
 
-from graphnav.core.pictures.context import PictureContext, no_message, no_path
+from graphnav.core.pictures.context import PictureContext
 from graphnav.core.pictures.pictures import DRAWING_FAMILY, Pictures, drawing
 from graphnav.core.pictures.video import VideoFrames
 
-__all__ = ["DRAWING_FAMILY", "PictureContext", "Pictures", "VideoFrames", "drawing", "no_message", "no_path"]
+__all__ = ["DRAWING_FAMILY", "PictureContext", "Pictures", "VideoFrames", "drawing"]

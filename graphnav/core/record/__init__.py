@@ -1,12 +1,14 @@
 """Read and write LCM event logs, compatible with LCM's own tools."""
 
+from graphnav.core.record.about_first import AboutFirst
 from graphnav.core.record.channel_account import ChannelAccount, ChannelCounts, Clock, FirstArrivals, Kind, kind_of
 from graphnav.core.record.channel_filter import ChannelFilter
 from graphnav.core.record.event import Damaged, Event, TruncatedEvent
-from graphnav.core.record.find_log import find_log
 from graphnav.core.record.log_cursor import LogCursor
-from graphnav.core.record.message_window import Periods, Sizes, Window, silent_after_s
-from graphnav.core.record.recording import ABOUT, SMALL_BYTES, Recording
+from graphnav.core.record.log_files import LogFiles
+from graphnav.core.record.log_paths import files_of, find_log, parts_of
+from graphnav.core.record.message_window import Periods, Window, silent_after_s
+from graphnav.core.record.recording import ABOUT, SMALL_BYTES, Head, Recording
 from graphnav.core.record.threaded_writer import GAP, LogGap, ThreadedLogWriter
 from graphnav.core.record.timeline import Timeline
 from graphnav.core.record.writer import LogWriter
@@ -17,6 +19,7 @@ __all__ = [
     "GAP",
     "LOG",
     "SMALL_BYTES",
+    "AboutFirst",
     "ChannelAccount",
     "ChannelCounts",
     "ChannelFilter",
@@ -24,18 +27,21 @@ __all__ = [
     "Damaged",
     "Event",
     "FirstArrivals",
+    "Head",
     "Kind",
     "LogCursor",
+    "LogFiles",
     "LogGap",
     "LogWriter",
     "Periods",
     "Recording",
-    "Sizes",
     "ThreadedLogWriter",
     "Timeline",
     "TruncatedEvent",
     "Window",
+    "files_of",
     "find_log",
     "kind_of",
+    "parts_of",
     "silent_after_s",
 ]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from graphnav.core.errors import LogError
 from graphnav.core.record.about_first import is_about
 from graphnav.core.record.event import HEADER
-from graphnav.core.record.find_log import numbered
+from graphnav.core.record.log_paths import numbered
 from graphnav.core.record.recording import ABOUT
 from graphnav.core.record.writer import LogWriter
 

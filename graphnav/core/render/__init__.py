@@ -1,8 +1,5 @@
 """Drawings of graphs: terminal, SVG, Mermaid, Graphviz."""
 
-from graphnav.core.render.dot import dot_of
-from graphnav.core.render.mermaid import mermaid_of
-from graphnav.core.render.svg import svg_of
-from graphnav.core.render.text import TextDrawing, text_of
+from graphnav.core.exports import exports
 
-__all__ = ["TextDrawing", "dot_of", "mermaid_of", "svg_of", "text_of"]
+__getattr__, __dir__ = exports(__name__, __file__)

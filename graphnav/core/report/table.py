@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from graphnav.core.machine.console import Console
-from graphnav.core.machine.fitted_tables import fitted_tables
+from graphnav.core.machine.table_width import fitted_tables
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.runner.simulated_clock import MAX_LATE_S
 from graphnav.core.stage import Better, Metric

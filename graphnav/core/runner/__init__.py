@@ -1,6 +1,5 @@
 """The engine that runs graphs, and the schedule of lockstep."""
 
-from graphnav.core.runner.engine import Outcome, seed_of
-from graphnav.core.runner.lockstep import Lockstep
+from graphnav.core.exports import exports
 
-__all__ = ["Lockstep", "Outcome", "seed_of"]
+__getattr__, __dir__ = exports(__name__, __file__)

@@ -16,14 +16,13 @@ from graphnav.core.spec.declared import (
     record_object,
 )
 from graphnav.core.spec.file_bytes import read_bytes
-from graphnav.core.spec.graph_keys import GRAPH, RESERVED_STAGES, STAGE_NAME, GraphKeys, StageKeys
-from graphnav.core.spec.run import LogKeys, RecordOption, RunKeys, RunOptions, check_url, option_in
-from graphnav.core.spec.scalar import Scalar, parse_scalar
+from graphnav.core.spec.graph_keys import GRAPH, RESERVED_STAGES, STAGE_NAME, GraphKeys
+from graphnav.core.spec.run import RecordOption, RunKeys, RunOptions, check_url, option_in
+from graphnav.core.spec.scalar import parse_scalar
 from graphnav.core.spec.spec import (
     TIME_KEYS,
     InputSpec,
     OutputSpec,
-    QueueSpec,
     Spec,
     StageSpec,
     outline,
@@ -46,19 +45,15 @@ __all__ = [
     "FileFormat",
     "GraphKeys",
     "InputSpec",
-    "LogKeys",
     "Names",
     "OutputSpec",
-    "QueueSpec",
     "Range",
     "Record",
     "RecordOption",
     "RunKeys",
     "RunOptions",
-    "Scalar",
     "Schema",
     "Spec",
-    "StageKeys",
     "StageSpec",
     "Value",
     "check_url",

@@ -1,10 +1,11 @@
 """The authoring API of stages: parameters, ports and `step`."""
 
 from graphnav.core.stage.describe import describe, plain_data, summary_of
+from graphnav.core.stage.former_names import FormerNames
 from graphnav.core.stage.metric import MEASURED, UNDEFINED, Better, Metric, metrics_of
 from graphnav.core.stage.param import Param, param, params_of
-from graphnav.core.stage.port import Age, Latest, Port, Ports, Since, Stamp, Stamped, ports_of
-from graphnav.core.stage.reported_metrics import reported_metrics
+from graphnav.core.stage.port import Age, Latest, Port, Since, Stamp, Stamped, ports_of
+from graphnav.core.stage.run_metrics import reported_metrics
 from graphnav.core.stage.stage import MAY_READ_TRUTH, Finished, Role, Source, Stage, Unnoticed, tell_readers
 from graphnav.core.stage.units import unit_of
 
@@ -15,11 +16,11 @@ __all__ = [
     "Age",
     "Better",
     "Finished",
+    "FormerNames",
     "Latest",
     "Metric",
     "Param",
     "Port",
-    "Ports",
     "Role",
     "Since",
     "Source",

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
 from graphnav.core.errors import DeclarationError
-from graphnav.core.stage import former_names
+from graphnav.core.stage.former_names import FormerNames
 from graphnav.core.stage.units import unit_of
 
 Better = Literal["higher", "lower", "neither"]
@@ -109,7 +109,7 @@ def metrics_of(cls: type) -> Mapping[str, Metric]:
 
 @cache
 def _metrics_of(cls: Any) -> Mapping[str, Metric]:
-    for former, now in former_names.STAGE_ATTRIBUTES.items():
+    for former, now in FormerNames.STAGE_ATTRIBUTES.items():
         if hasattr(cls, former):
             raise DeclarationError(f"{cls.__qualname__} has '{former}': declare '{now}' = (Metric(...), ...)")
     declared = cls.metrics

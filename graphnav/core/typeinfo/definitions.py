@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from graphnav.core.codec import definition_of, lcm_name
-from graphnav.core.typeinfo.describe_type import nested_types
+from graphnav.core.typeinfo.describe import nested_types
 
 
 def definition_files(lcm_classes: Iterable[type]) -> dict[str, str]:

@@ -7,9 +7,8 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import GRAPH, PLUGINS, SET, TRUST
-from graphnav.core.cli.options import JSON, load
-from graphnav.core.cli.status import FAILED, OK
+from graphnav.core.api import GRAPH, PLUGINS, SET, TRUST
+from graphnav.core.cli import FAILED, JSON, OK, load
 from graphnav.core.parameters import command
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ def _print(finding: Finding) -> None:
     from rich.text import Text
 
     from graphnav.core.errors import printable
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
 
     mark, style = ("ok ", "green") if finding.fine else ("FIX", "red") if finding.needed else ("opt", "yellow")
     console = Console(highlight=False, soft_wrap=True)

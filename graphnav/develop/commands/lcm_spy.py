@@ -6,17 +6,17 @@ import argparse
 import os
 import sys
 
-from graphnav.core.cli.options import GROUP, TYPES, catalog_of, load_types_of
+from graphnav.core.cli import GROUP, TYPES, catalog_of, load_types_of
 from graphnav.core.parameters import command
 
 
 @command(GROUP, *TYPES)
 def main(args: argparse.Namespace) -> int:
     """Run the command: build the jar of all types unless it is cached, then replace this process by lcm-spy."""
-    from graphnav.core.cli.type_names import listed_types
-    from graphnav.core.errors import UserError
+    from graphnav import UserError
+    from graphnav.core.cli import listed_types
     from graphnav.core.lcm_url import lcm_url
-    from graphnav.core.machine.jdk import require_jdk
+    from graphnav.core.machine import require_jdk
     from graphnav.core.typeinfo import file_of_lcm, types_jar
 
     url = lcm_url(("URL", args.url))

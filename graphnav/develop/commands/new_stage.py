@@ -8,8 +8,8 @@ import re
 from importlib.util import find_spec
 from pathlib import Path
 
-from graphnav.core.cli.status import OK
-from graphnav.core.errors import UserError
+from graphnav import UserError
+from graphnav.core.cli import OK
 from graphnav.core.parameters import Parameter, command
 
 

@@ -12,17 +12,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import FOLDER, LOADED, SEED, TAP, UNTIL_S
-from graphnav.core.cli.options import JSON, PORTABLE, VERBOSE, FailureReport, load, notices_of
-from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.core.errors import UserError
+from graphnav import UserError
+from graphnav.core.api import FOLDER, LOADED, SEED, TAP, UNTIL_S
+from graphnav.core.cli import FAILED, INTERRUPTED, JSON, OK, PORTABLE, VERBOSE, FailureReport, load, notices_of
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag
 from graphnav.develop.parameters import CLOCK
 
 if TYPE_CHECKING:
-    from graphnav.core.graph import Graph
-    from graphnav.core.stage import Stage
+    from graphnav import Graph, Stage
     from graphnav.develop.profiling import Profile
 
 
@@ -47,7 +45,7 @@ if TYPE_CHECKING:
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
     from graphnav.develop.profiling import NothingMeasuredError, functions_missing, print_profile, refuse_live
 
     _, graph = load(args)
@@ -82,10 +80,10 @@ def main(args: argparse.Namespace) -> int:
 def _measure(
     args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], folder: Path, report: FailureReport
 ) -> Profile:
-    from graphnav.core.api.open_tap import open_tap
-    from graphnav.core.cli.progress import progress_bar
-    from graphnav.core.machine.console import Console
-    from graphnav.core.runner.recording.run_recorded import new_run_id
+    from graphnav.core.cli import progress_bar
+    from graphnav.core.machine import Console
+    from graphnav.core.runner import new_run_id
+    from graphnav.core.tap import open_tap
     from graphnav.develop.profiling import functions_missing, measure
 
     run_id = new_run_id()
@@ -107,7 +105,7 @@ def _measure(
 @contextmanager
 def _folder(wanted: Path | None, graph: Graph) -> Iterator[Path]:
     """Yield the folder of the run, by default a temporary one."""
-    from graphnav.core.report.folder import make_run_folder, removed_if_empty
+    from graphnav.core.report import make_run_folder, removed_if_empty
 
     if wanted is None:
         with tempfile.TemporaryDirectory(prefix="graphnav-") as scratch:

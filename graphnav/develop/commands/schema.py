@@ -6,10 +6,9 @@ import argparse
 import json
 from typing import Any
 
-from graphnav.core.api.parameters import PLUGINS
-from graphnav.core.cli.options import catalog_of
-from graphnav.core.cli.status import OK
-from graphnav.core.errors import Place, UserError, did_you_mean
+from graphnav import Place, UserError, did_you_mean
+from graphnav.core.api import PLUGINS
+from graphnav.core.cli import OK, catalog_of
 from graphnav.core.parameters import Parameter, command
 
 
@@ -25,9 +24,10 @@ from graphnav.core.parameters import Parameter, command
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
+    from graphnav import FileFormat
     from graphnav.core.graph import graph_schema
     from graphnav.core.rooms import in_room
-    from graphnav.core.spec import FileFormat, plugin_formats
+    from graphnav.core.spec import plugin_formats
 
     catalog = catalog_of(args)
     if args.of == "graph":

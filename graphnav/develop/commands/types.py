@@ -7,13 +7,12 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.cli.options import JSON, TYPES, catalog_of, load_types_of
-from graphnav.core.cli.status import OK
+from graphnav.core.cli import JSON, OK, TYPES, catalog_of, load_types_of
 from graphnav.core.parameters import OneOf, Parameter, command, flag
 
 if TYPE_CHECKING:
-    from graphnav.core.cli.tables import TextTable
-    from graphnav.core.machine.console import Console
+    from graphnav.core.cli import TextTable
+    from graphnav.core.machine import Console
 
 _EXAMPLES = """\
 examples:
@@ -45,8 +44,8 @@ examples:
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.cli.type_names import listed_types, type_called
-    from graphnav.core.machine.console import Console
+    from graphnav.core.cli import listed_types, type_called
+    from graphnav.core.machine import Console
     from graphnav.core.typeinfo import definition_text, describe_type
 
     catalog = catalog_of(args)
@@ -69,7 +68,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _all(found: dict[str, type]) -> TextTable:
-    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.cli import TextTable
     from graphnav.core.codec import message_class_of
     from graphnav.core.typeinfo import summary_of_type
 
@@ -81,7 +80,7 @@ def _all(found: dict[str, type]) -> TextTable:
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
-    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.cli import TextTable
 
     title = f"{described['message']}, {described['type']}" if described["message"] else described["type"]
     console.print(f"{title}, fingerprint {described['fingerprint']}", style="bold", markup=False)

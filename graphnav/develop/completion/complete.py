@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from graphnav.core.errors import GraphnavError
+from graphnav import GraphnavError
 from graphnav.core.parameters import Candidates, Completer
 from graphnav.develop.completion.index import Index
 from graphnav.develop.completion.index_cache import installed_index

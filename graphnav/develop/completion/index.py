@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
 
-from graphnav.core.errors import GraphnavError
+from graphnav import GraphnavError
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog

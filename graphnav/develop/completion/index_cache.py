@@ -11,8 +11,7 @@ from dataclasses import asdict
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from graphnav.core.machine.regular_file import read_json
-from graphnav.core.machine.user_folders import user_folder
+from graphnav.core.machine import read_json, user_folder
 from graphnav.develop.completion.index import Index, build_index
 
 _OWN = ("graphnav", "graphnav_graphs", "graphnav_lcm")

@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, metadata, version
 
 from packaging.requirements import Requirement
 
-from graphnav.core.machine.extras import install_command, requirements_of
+from graphnav.core.machine import install_command, requirements_of
 from graphnav.develop.doctor.finding import Finding
 
 _OF_DEVELOPERS = {"dev"}

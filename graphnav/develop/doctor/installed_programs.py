@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, requires, version
 
 from packaging.requirements import Requirement
 
-from graphnav.core.machine.jdk import find_jdk, install_jdk
+from graphnav.core.machine import find_jdk, install_jdk
 from graphnav.develop.doctor.finding import Finding
 
 _TIMEOUT_S = 20.0

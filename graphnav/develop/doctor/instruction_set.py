@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from graphnav.core.machine.instruction_set import PORTABLE, instruction_set
-from graphnav.core.machine.pins import OPT_OUT, lacking
+from graphnav.core.machine import OPT_OUT, PORTABLE, lacking, used_instruction_set
 from graphnav.develop.doctor.finding import Finding
 
 _SUBJECT = "instruction set"
@@ -11,7 +10,7 @@ _SUBJECT = "instruction set"
 
 def portable_logs() -> Finding:
     """Return what numpy, OpenCV and BLAS compute with, and whether that is the same on other machines."""
-    found = instruction_set()
+    found = used_instruction_set()
     if found == PORTABLE:
         return Finding(_SUBJECT, fine=True, seen=f"{found}: logs are the same on every machine that has them")
     if what := lacking():

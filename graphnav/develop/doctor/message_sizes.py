@@ -6,10 +6,9 @@ import time
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from graphnav.core.graph import Graph
+from graphnav import Graph, Source
 from graphnav.core.interrupts import third_party_code
 from graphnav.core.runner import Lockstep
-from graphnav.core.stage import Source
 
 _TICKS = 3
 """The first tick has no flow, the second has all messages."""

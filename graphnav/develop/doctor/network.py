@@ -6,11 +6,11 @@ import time
 from collections.abc import Iterator
 from urllib.parse import urlsplit
 
+from graphnav import Graph, GraphnavError, UserError
 from graphnav.core.bus import GROUP, MAKE_ROUTE, Bus, requested_buffer, with_defaults
-from graphnav.core.errors import BusError, GraphnavError, NoRouteError, UserError
-from graphnav.core.graph import Graph
+from graphnav.core.errors import BusError, NoRouteError
 from graphnav.core.lcm_url import live_url, tap_url
-from graphnav.core.machine.receive_buffer import (
+from graphnav.core.machine import (
     RECEIVE_BUFFER_BYTES,
     ReceiveBuffer,
     buffer_limit,
@@ -18,7 +18,7 @@ from graphnav.core.machine.receive_buffer import (
     needed_buffer,
     try_receive_buffer,
 )
-from graphnav.core.runner.recording.log_forecast import size_text
+from graphnav.core.runner import size_text
 from graphnav.develop.doctor.finding import Finding
 from graphnav.develop.doctor.message_sizes import MessageSize, message_sizes
 

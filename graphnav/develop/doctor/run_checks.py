@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from graphnav.core.graph import Graph
+from graphnav import Graph
 from graphnav.develop.doctor.extras import extras
 from graphnav.develop.doctor.finding import Finding
 from graphnav.develop.doctor.installed_programs import java, lcm_wheel

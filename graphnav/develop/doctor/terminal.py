@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from graphnav.core.machine.terminal_graphics import query_terminal
+from graphnav.core.machine import query_terminal
 from graphnav.develop.doctor.finding import Finding
 
 _SUBJECT = "terminal graphics"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from graphnav.core.graph import Graph
-from graphnav.core.runner.recording.summary import Summary
+from graphnav import Graph
+from graphnav.core.runner import Summary
 from graphnav.develop.parameters import Clock
 from graphnav.develop.profiling.process_threads import process_threads
 from graphnav.develop.profiling.profile import ChannelTime, Instruments, Node, Profile, StageTime

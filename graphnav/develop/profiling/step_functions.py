@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.errors import Problem
-from graphnav.core.machine.extras import install_command
+from graphnav import Problem
+from graphnav.core.machine import install_command
 
 if TYPE_CHECKING:
     from pyinstrument import Profiler

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from enum import StrEnum
 
-from graphnav.core.runner.durations import Durations
+from graphnav.core.runner import Durations
 
 
 class Part(StrEnum):

@@ -10,8 +10,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from graphnav.core.machine.console import Console
-from graphnav.core.machine.fitted_tables import fitted_tables
+from graphnav.core.machine import Console, fitted_tables
 
 if TYPE_CHECKING:
     from graphnav.develop.parameters import Clock

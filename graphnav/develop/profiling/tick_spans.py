@@ -9,12 +9,10 @@ from contextlib import AbstractContextManager, nullcontext
 from enum import Enum, auto
 from typing import Any
 
+from graphnav import Message
 from graphnav.core.bus import Bus, Handler
 from graphnav.core.graph import Channel
-from graphnav.core.messages import Message
-from graphnav.core.runner.durations import Durations
-from graphnav.core.runner.engine import Decode, Encode, Fire, Sink, Spans
-from graphnav.core.runner.unit import Publish, Unit
+from graphnav.core.runner import Decode, Durations, Encode, Fire, Publish, Sink, Spans, Unit
 from graphnav.develop.profiling.step_functions import StepFunctions
 from graphnav.develop.profiling.stopwatch import Part, Stopwatch
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import argparse
 
-from graphnav.core.cli.options import (
+from graphnav.core.cli import (
     CHANNEL,
     FOR_S,
     MAX_MESSAGES,
+    OK,
     TYPES,
     URL,
     catalog_of,
+    channel_name,
     load_types_of,
+    positive,
     url_of,
 )
-from graphnav.core.cli.quantities import channel_name, positive
-from graphnav.core.cli.status import OK
 from graphnav.core.parameters import Parameter, command
 
 _EXAMPLES = """\
@@ -46,11 +47,11 @@ FIELDS is YAML; omitted fields are zero or empty. utime is the current time and 
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
+    from graphnav import Place, UserError
     from graphnav.core.bus import Bus
-    from graphnav.core.cli.type_names import type_called
+    from graphnav.core.cli import type_called
     from graphnav.core.codec import codec_of, lcm_name
-    from graphnav.core.errors import Place, UserError
-    from graphnav.core.fields.field_summary import described, summarised
+    from graphnav.core.fields import described, summarised
     from graphnav.live.publish import Publisher, parse_fields, repeat
 
     if args.rate is None and (args.count or args.for_s):

@@ -11,15 +11,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.api.parameters import GRAPH, LIVE, LIVE_URL, PLUGINS, SEED, SET, UNTIL_S
-from graphnav.core.cli.options import PORTABLE, VERBOSE, FailureReport, load
-from graphnav.core.cli.quantities import MAX_FACTOR
-from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.core.errors import UserError
+from graphnav import UserError
+from graphnav.core.api import GRAPH, LIVE, LIVE_URL, PLUGINS, SEED, SET, UNTIL_S
+from graphnav.core.cli import FAILED, INTERRUPTED, MAX_FACTOR, OK, PORTABLE, VERBOSE, FailureReport, load
 from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
-    from graphnav.core.graph import Graph
+    from graphnav import Graph
     from graphnav.live.teaching import Coverage, Taught
 
 
@@ -61,7 +59,7 @@ def main(args: argparse.Namespace) -> int:
 
     Ctrl-C discards the result in simulated time, which ends by itself; in a live run it ends teaching.
     """
-    from graphnav.core.messages import PlanarModel
+    from graphnav import PlanarModel
 
     if args.model.exists() and not args.force:
         raise UserError.of(f"{args.model} already exists", "choose another file, or replace it with --force")
@@ -85,10 +83,9 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
-    from graphnav.core.cli.progress import progress_bar
-    from graphnav.core.machine.console import Console
-    from graphnav.core.runner import Outcome
-    from graphnav.core.runner.recording.run_recorded import run_recorded
+    from graphnav.core.cli import progress_bar
+    from graphnav.core.machine import Console
+    from graphnav.core.runner import Outcome, run_recorded
     from graphnav.live.teaching import Taught
 
     taught, report = Taught(graph, channel), FailureReport(args)
@@ -107,7 +104,7 @@ def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -
 
 def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
     from graphnav.core.lcm_url import live_url
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
     from graphnav.live.commands.teaching_progress import teaching_progress
     from graphnav.live.run import run_live
     from graphnav.live.teaching import Taught
@@ -142,11 +139,11 @@ def _save(
 
     ``inputs``: status of the inputs of a live run.
     """
+    from graphnav import PlanarModel, Recording
     from graphnav.core.codec import encode
-    from graphnav.core.machine.console import Console
-    from graphnav.core.messages import PlanarModel
+    from graphnav.core.machine import Console
     from graphnav.core.notices import print_notice
-    from graphnav.core.record import LOG, LogWriter, Recording
+    from graphnav.core.record import LOG, LogWriter
     from graphnav.live.teaching import gaps, why_no_model
 
     with Recording(folder / LOG) as recording:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from rich.text import Text
 
-from graphnav.core.machine.console import Console
+from graphnav.core.machine import Console
 from graphnav.live.teaching import Taught, gaps
 
 LINE_S = 10.0

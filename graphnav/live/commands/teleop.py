@@ -5,10 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from graphnav.core.cli.options import URL, url_of
-from graphnav.core.cli.quantities import channel_name, positive
-from graphnav.core.cli.status import OK
-from graphnav.core.cli.status_line import rewrite_line
+from graphnav.core.cli import OK, URL, channel_name, positive, rewrite_line, url_of
 from graphnav.core.parameters import Parameter, command, seconds
 
 _EXAMPLES = """\
@@ -53,8 +50,8 @@ published for a moment, then nothing, so that the override of a guard goes stale
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
+    from graphnav import UserError
     from graphnav.core.bus import Bus
-    from graphnav.core.errors import UserError
     from graphnav.core.keyboard import Terminal
     from graphnav.live.teleop import Drive, Session
     from graphnav.live.teleop.keys import HELP

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from graphnav.core.bus import requested_buffer
 from graphnav.core.codec import fingerprint
 from graphnav.core.errors import shown_name
-from graphnav.core.large_messages.child import PACKET_BYTES
-from graphnav.core.machine.receive_buffer import larger_buffer, needed_buffer
-from graphnav.core.runner.recording.log_forecast import size_text
+from graphnav.core.large_messages import PACKET_BYTES
+from graphnav.core.machine import larger_buffer, needed_buffer
+from graphnav.core.runner import size_text
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from itertools import combinations
 from typing import NamedTuple
 
-from graphnav.core.graph import Graph
-from graphnav.core.runner.join import MAX_UNMATCHED
+from graphnav import Graph
+from graphnav.core.runner import MAX_UNMATCHED
 from graphnav.live.inputs.sender_monitor import SenderMonitor
 from graphnav.live.live_schedule import LiveSchedule
 

@@ -6,11 +6,10 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator
 
+from graphnav import Graph, GuardState, UserError
 from graphnav.core.bus import same_group
-from graphnav.core.errors import UserError
-from graphnav.core.graph import Graph, Node
+from graphnav.core.graph import Node
 from graphnav.core.lcm_url import lcm_url
-from graphnav.core.messages import GuardState
 from graphnav.live.live_schedule import LiveSchedule
 
 _STANDS_S = 2.0

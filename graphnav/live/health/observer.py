@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from graphnav.core.codec import encode
-from graphnav.core.runner.status import STATUS
+from graphnav.core.runner import STATUS
 from graphnav.live.health.alarms import Alarms
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.guard_holds import GuardHolds

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from graphnav.core.messages import Status
-from graphnav.core.runner.status import Rates, memory_mb, stage_statuses
+from graphnav import Status
+from graphnav.core.runner import Rates, memory_mb, stage_statuses
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from graphnav import FieldError, Message
 from graphnav.core.codec import DecodeError, codec_of, fields_of, fingerprint, lcm_name, type_of
 from graphnav.core.errors import failure_line
 from graphnav.core.graph import InputChannel
 from graphnav.core.interrupts import CtrlC
-from graphnav.core.messages import FieldError, Message
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.packet_sources import PacketSources
 from graphnav.live.inputs.receiver import Arrival, Mailbox

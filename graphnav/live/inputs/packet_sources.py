@@ -18,7 +18,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from graphnav.core.errors import shown_name
-from graphnav.core.machine.packet_filter import keep_channels
+from graphnav.core.machine import keep_channels
 
 _POLL_S = 0.1
 _REST_S = 0.0005

@@ -8,10 +8,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from graphnav import GraphnavError, Recording, UserError
 from graphnav.core.codec import fingerprint
-from graphnav.core.errors import GraphnavError, UserError
 from graphnav.core.graph import InputChannel
-from graphnav.core.record import Recording, find_log
+from graphnav.core.record import find_log
 from graphnav.live.inputs.receiver import Mailbox
 
 

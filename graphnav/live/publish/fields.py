@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from graphnav.core.codec import EncodeError, codec_of, fields_of, lcm_name
-from graphnav.core.codec.layout import Field
-from graphnav.core.errors import Place, Problem, UserError, did_you_mean
-from graphnav.core.spec import Entry, Value, parse_yaml
+from graphnav import Place, Problem, UserError, Value, did_you_mean
+from graphnav.core.codec import EncodeError, Field, codec_of, fields_of, lcm_name
+from graphnav.core.spec import Entry, parse_yaml
 from graphnav.live.publish.scalars import ZEROS, scalar_problem
 
 SOURCE = "FIELDS"

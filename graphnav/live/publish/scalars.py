@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from graphnav.core.errors import Problem
-from graphnav.core.spec import Value
+from graphnav import Problem, Value
 
 _INTEGERS: Mapping[str, tuple[int, int]] = {
     "int8_t": (-(2**7), 2**7 - 1),

@@ -6,10 +6,9 @@ from collections.abc import Collection
 
 import numpy as np
 
+from graphnav import About, Flow, Graph, Motion, PlanarModel
 from graphnav.arrays import Doubles
 from graphnav.core.codec import decode
-from graphnav.core.graph import Graph
-from graphnav.core.messages import About, Flow, Motion, PlanarModel
 
 
 class Taught:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from graphnav.core.messages import Twist
+from graphnav import Twist
 from graphnav.live.teleop.keys import Key
 
 ZERO_S = 0.3

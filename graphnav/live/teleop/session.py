@@ -7,9 +7,9 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Protocol
 
+from graphnav import Message, Stop, Twist
 from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
-from graphnav.core.messages import Message, Stop, Twist
 from graphnav.live.teleop.drive import Drive
 from graphnav.live.teleop.keys import Key, Keys
 

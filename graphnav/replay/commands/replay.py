@@ -9,9 +9,12 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import PLUGINS, SET, TRUST
-from graphnav.core.cli.options import (
+from graphnav import UserError
+from graphnav.core.api import PLUGINS, SET, TRUST
+from graphnav.core.cli import (
+    FAILED,
     JSON,
+    OK,
     PORTABLE,
     RUN_OR_LOG,
     VERBOSE,
@@ -20,12 +23,11 @@ from graphnav.core.cli.options import (
     notices_of,
     overrides_of,
 )
-from graphnav.core.cli.status import FAILED, OK
-from graphnav.core.errors import LogError, UserError
+from graphnav.core.errors import LogError
 from graphnav.core.parameters import Parameter, command, flag, many
 
 if TYPE_CHECKING:
-    from graphnav.core.errors import GraphnavError
+    from graphnav import GraphnavError
     from graphnav.replay.comparison.field_differences import Tolerance
     from graphnav.replay.log.log_graph import LogGraph
 
@@ -100,10 +102,10 @@ def _tolerance(text: str) -> Tolerance:
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if anything differs."""
-    from graphnav.core.cli.opened_log import damage_told, opened
-    from graphnav.core.cli.progress import progress_bar
-    from graphnav.core.machine.console import Console
-    from graphnav.core.record import Recording, find_log
+    from graphnav import Recording
+    from graphnav.core.cli import damage_told, opened, progress_bar
+    from graphnav.core.machine import Console
+    from graphnav.core.record import find_log
     from graphnav.replay.comparison.field_differences import Tolerance
     from graphnav.replay.comparison.result_text import as_text
     from graphnav.replay.log.log_graph import graph_to_replay

@@ -7,9 +7,10 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Collection, Sequence
 from typing import NamedTuple
 
+from graphnav import Recording
 from graphnav.core.codec import DecodeError, codec_of
 from graphnav.core.graph import Channel
-from graphnav.core.record import SMALL_BYTES, Recording
+from graphnav.core.record import SMALL_BYTES
 from graphnav.replay.comparison.field_differences import Tolerance, field_differences
 from graphnav.replay.comparison.result import ChannelResult, FieldResult, FirstDifference
 from graphnav.replay.log.contents import Contents, Logged

@@ -12,8 +12,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from graphnav.core.machine.console import Console
-from graphnav.core.machine.fitted_tables import fitted_tables
+from graphnav.core.machine import Console, fitted_tables
 from graphnav.replay.comparison.result import ChannelResult, FirstDifference, ReplayResult, Reproduced
 
 _MAX_CHARS = 40

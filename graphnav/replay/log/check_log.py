@@ -6,11 +6,9 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from graphnav.core.errors import UserError
+from graphnav import About, Recording, UserError
 from graphnav.core.graph import Channel
-from graphnav.core.large_messages.child import PACKET_BYTES
-from graphnav.core.messages import About
-from graphnav.core.record import Recording
+from graphnav.core.large_messages import PACKET_BYTES
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import LoggedFirings
 from graphnav.replay.log.missing_messages import MissingMessages, is_first_only, missing_messages

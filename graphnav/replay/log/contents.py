@@ -8,14 +8,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from graphnav import About, Graph, Recording, UserError
 from graphnav.core.codec import fingerprint
-from graphnav.core.errors import UserError
-from graphnav.core.graph import Channel, Graph
-from graphnav.core.graph.wiring.channels import RESERVED
-from graphnav.core.messages import About
-from graphnav.core.record import Recording
-from graphnav.core.record.recording import Head
-from graphnav.core.runner.lockstep import command_channels
+from graphnav.core.graph import RESERVED, Channel
+from graphnav.core.record import Head
+from graphnav.core.runner import command_channels
 
 _MAX_TOLD = 5
 

@@ -8,12 +8,11 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from graphnav import Recording, UserError
 from graphnav.core.codec import DecodeError, decode
-from graphnav.core.errors import UserError
 from graphnav.core.graph import Channel, Input
 from graphnav.core.messages import Fired
-from graphnav.core.record import Recording
-from graphnav.core.runner.firing import FIRED, Used
+from graphnav.core.runner import FIRED, Used
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.plan import Plan
 

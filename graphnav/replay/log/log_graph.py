@@ -8,15 +8,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any
 
+from graphnav import About, Graph, Place, Recording, UserError, shown_path
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, decode
-from graphnav.core.errors import Place, UserError, shown_path
-from graphnav.core.graph import Graph, Override, Target, graph_of, load_graph
-from graphnav.core.messages import About
-from graphnav.core.record import ABOUT, LOG, Recording
+from graphnav.core.graph import Override, Target, graph_of, load_graph
+from graphnav.core.record import ABOUT, LOG
 from graphnav.core.run_folder import GRAPH
-from graphnav.core.runner.recording.kept_messages import complete_channels
-from graphnav.core.runner.status import STATUS
+from graphnav.core.runner import STATUS, complete_channels
 from graphnav.core.spec import RecordOption, option_in, parse_yaml, read_bytes
 
 _SEED = Target("run", key="seed")

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from graphnav.core.graph import Channel, Graph
+from graphnav import Graph
+from graphnav.core.graph import Channel
 from graphnav.core.record import SMALL_BYTES
 from graphnav.core.stage import Port
 from graphnav.replay.log.contents import Contents, Logged

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from graphnav.core.machine.regular_file import read_json
+from graphnav.core.machine import read_json
 from graphnav.core.record import LOG
-from graphnav.core.runner.recording.summary import SUMMARY
-from graphnav.core.stage import former_names
+from graphnav.core.runner import SUMMARY
+from graphnav.core.stage import FormerNames
 
 
 def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
@@ -20,7 +20,7 @@ def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
         return {}
     scores = summary.get("scores") if isinstance(summary, dict) else None
     return {
-        stage: {former_names.metric_now(name): float(value) for name, value in metrics.items() if _is_number(value)}
+        stage: {FormerNames.metric_now(name): float(value) for name, value in metrics.items() if _is_number(value)}
         for stage, metrics in (scores.items() if isinstance(scores, dict) else ())
         if isinstance(metrics, dict)
     }

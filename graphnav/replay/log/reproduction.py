@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from graphnav.core.graph import Channel, Graph, Node
-from graphnav.core.runner.recording.kept_messages import reproducible_channels
-from graphnav.core.stage import Stage
+from graphnav import Graph, Stage
+from graphnav.core.graph import Channel, Node
+from graphnav.core.runner import reproducible_channels
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.log.log_graph import LogGraph
 from graphnav.replay.log.missing_messages import MissingMessages, numbered_gaps

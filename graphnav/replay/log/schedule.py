@@ -6,7 +6,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from graphnav.core.graph import Channel, Graph
+from graphnav import Graph
+from graphnav.core.graph import Channel
 from graphnav.replay.log.contents import Contents, Logged
 
 

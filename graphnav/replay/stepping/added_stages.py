@@ -7,10 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
-from graphnav.core.runner.firing import Taken
-from graphnav.core.runner.live_inbox import LiveInbox
-from graphnav.core.runner.timer import Timer, every
-from graphnav.core.runner.unit import Unit
+from graphnav.core.runner import LiveInbox, Taken, Timer, Unit, every
 
 _MAX_GAP_S = 10.0
 """Timers do not fire in longer gaps of a log, whose timestamps may be damaged."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from graphnav.core.runner.engine import Sink
-from graphnav.core.runner.firing import FIRED, Used, encoded_firing
+from graphnav.core.runner import FIRED, Sink, Used, encoded_firing
 from graphnav.replay.log.contents import Logged
 
 

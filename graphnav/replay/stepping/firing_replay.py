@@ -6,14 +6,11 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from graphnav import Message, Recording, Stage
 from graphnav.core.codec import decode
 from graphnav.core.graph import Node
-from graphnav.core.messages import Message
-from graphnav.core.record import Recording
-from graphnav.core.runner.engine import Engine, Sink
-from graphnav.core.runner.firing import Taken, Used
-from graphnav.core.runner.live_inbox import LiveInbox
-from graphnav.core.stage import Port, Stage
+from graphnav.core.runner import Engine, LiveInbox, Sink, Taken, Used
+from graphnav.core.stage import Port
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.firings import Firing, LoggedFirings
 from graphnav.replay.plan import Plan

@@ -6,11 +6,10 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
+from graphnav import Latest, Message, Since
 from graphnav.core.graph import Node
-from graphnav.core.messages import Message
-from graphnav.core.runner.firing import Taken, Used
-from graphnav.core.runner.live_inbox import MAX_GATHERED
-from graphnav.core.stage import Latest, Port, Since
+from graphnav.core.runner import MAX_GATHERED, Taken, Used
+from graphnav.core.stage import Port
 from graphnav.replay.log.firings import Firing
 
 _MAX_STAMPS = 256

@@ -5,15 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from graphnav import Message, Recording, Stage
 from graphnav.core.codec import decode
 from graphnav.core.graph import Channel
-from graphnav.core.messages import Message
-from graphnav.core.record import Recording
-from graphnav.core.runner.engine import Engine
-from graphnav.core.runner.lockstep import fire
-from graphnav.core.runner.lockstep_inbox import LockstepInbox
-from graphnav.core.runner.unit import Unit
-from graphnav.core.stage import Stage
+from graphnav.core.runner import Engine, LockstepInbox, Unit, fire
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.reproduction import Reproduction
 

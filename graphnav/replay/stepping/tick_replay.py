@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+from graphnav import Recording, Stage
 from graphnav.core.codec import decode
 from graphnav.core.errors import StageError
-from graphnav.core.record import Recording
-from graphnav.core.runner.engine import Engine, Sink
-from graphnav.core.runner.lockstep import command_channels, fire_complete
-from graphnav.core.runner.lockstep_inbox import LockstepInbox
-from graphnav.core.stage import Stage
+from graphnav.core.runner import Engine, LockstepInbox, Sink, command_channels, fire_complete
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.schedule import Tick
 from graphnav.replay.plan import Plan

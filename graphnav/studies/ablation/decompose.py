@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from graphnav import Graph, Message, Metric, Place, UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import Place, UserError
-from graphnav.core.graph import Graph, Override, Target, load_graph, without_replaced
-from graphnav.core.messages import Message
-from graphnav.core.stage import Metric, ports_of
+from graphnav.core.graph import Override, Target, load_graph, without_replaced
+from graphnav.core.stage import ports_of
 from graphnav.studies.ablation.plan import driving_stages
 from graphnav.studies.ablation.study import Axis, Choice, Decomposition, MetricExpression, Study
 from graphnav.studies.ablation.study.study import AXIS, BASE, COMMON, CONDITION, OWN

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
+from graphnav import UserError
 from graphnav.arrays import Doubles
-from graphnav.core.errors import UserError
 from graphnav.studies.ablation.plan import Case, Job, Plan
 from graphnav.studies.ablation.results import (
     ALPHA,

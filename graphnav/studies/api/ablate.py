@@ -5,11 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
-from graphnav.core.api.arguments import PathLike, check_text, overrides_of, paths_of, texts_of
-from graphnav.core.api.load import add_plugins
-from graphnav.core.api.notices import tell
-from graphnav.core.api.parameters import LOADED, PLUGINS
-from graphnav.core.api.result_folder import KeptFolder, named_folder, temporary_folder
+from graphnav.core.api import (
+    LOADED,
+    PLUGINS,
+    KeptFolder,
+    PathLike,
+    add_plugins,
+    check_text,
+    named_folder,
+    overrides_of,
+    paths_of,
+    tell,
+    temporary_folder,
+    texts_of,
+)
 from graphnav.core.catalog import Catalog
 from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust

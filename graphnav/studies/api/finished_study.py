@@ -8,10 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.api.extras import import_pandas
-from graphnav.core.api.result_folder import KeptFolder
-from graphnav.core.machine.console import Console
-from graphnav.core.render.html_templates import rendered
+from graphnav.core.api import KeptFolder, import_pandas
+from graphnav.core.machine import Console
+from graphnav.core.render import rendered
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report import print_comparison, runs_data
 from graphnav.studies.ablation.results import (

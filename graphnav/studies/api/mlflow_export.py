@@ -11,8 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from graphnav.core.errors import UserError
-from graphnav.core.machine.extras import install_command
+from graphnav import UserError
+from graphnav.core.machine import install_command
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.report import RESULTS, TABLE
 from graphnav.studies.ablation.results import Row

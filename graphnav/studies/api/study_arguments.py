@@ -5,9 +5,8 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterable, Mapping, Sequence
 
-from graphnav.core.api.arguments import check_integer, check_text, path_of, wrong_type, yaml_value
-from graphnav.core.errors import Place, UserError
-from graphnav.core.graph import Graph
+from graphnav import Graph, Place, UserError
+from graphnav.core.api import check_integer, check_text, path_of, wrong_type, yaml_value
 from graphnav.core.parameters import COUNT
 from graphnav.studies.ablation.study import Vary, vary_of
 from graphnav.studies.api.study_run import ExecutionOptions

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
+from graphnav import Graph
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import Graph
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report import (
     PICTURE,

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from graphnav import Problem
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import Problem
 from graphnav.core.graph import Override
 from graphnav.studies.ablation.decompose import decomposed_study
 from graphnav.studies.ablation.plan import CheckedStudy, check_study, with_versions

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from graphnav import GraphnavError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import GraphnavError
 from graphnav.core.runner import Outcome
 from graphnav.studies.ablation.execution import (
     StudyFolder,

@@ -7,12 +7,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from graphnav.core.api.arguments import PathLike, check_integer, overrides_of, paths_of, texts_of
-from graphnav.core.api.load import add_plugins
-from graphnav.core.api.parameters import LOADED, PLUGINS
-from graphnav.core.api.result_folder import KeptFolder, named_folder, temporary_folder
+from graphnav import Problem
+from graphnav.core.api import (
+    LOADED,
+    PLUGINS,
+    KeptFolder,
+    PathLike,
+    add_plugins,
+    check_integer,
+    named_folder,
+    overrides_of,
+    paths_of,
+    temporary_folder,
+    texts_of,
+)
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import Problem
 from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust
 from graphnav.studies.ablation.execution import LockedFolder

@@ -9,10 +9,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import PLUGINS, SET, TRUST
-from graphnav.core.cli.options import PORTABLE, catalog_of
-from graphnav.core.cli.status import INTERRUPTED, OK
-from graphnav.core.errors import CatalogError, GraphnavError, Problem, UserError, shown_path
+from graphnav import GraphnavError, Problem, UserError, shown_path
+from graphnav.core.api import PLUGINS, SET, TRUST
+from graphnav.core.cli import INTERRUPTED, OK, PORTABLE, catalog_of
+from graphnav.core.errors import CatalogError
 from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, former, many
@@ -39,7 +39,7 @@ from graphnav.studies.parameters import (
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
     from graphnav.studies.ablation.plan import CheckedStudy, Plan
     from graphnav.studies.api.study_request import StudyRequest
 
@@ -110,7 +110,7 @@ _OF_RUNS = (
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
     from graphnav.studies.ablation.execution import read_plan
     from graphnav.studies.ablation.results import parse_pairs
     from graphnav.studies.api.mlflow_export import export_to_mlflow
@@ -219,7 +219,7 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
 def _catalog_of_usable_plugins(args: argparse.Namespace, plan: Plan) -> Catalog:
     """Return the catalog with the usable and trusted plugin files of a study: only drawings need them."""
     from graphnav.core.catalog import Catalog
-    from graphnav.core.cli.trust import trust_of
+    from graphnav.core.cli import trust_of
     from graphnav.core.trust import read_plugin, request_of_plan
 
     catalog = Catalog(trust_of(args))

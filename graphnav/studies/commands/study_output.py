@@ -6,9 +6,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from graphnav.core.cli.status import FAILED, OK
-from graphnav.core.errors import UserError
-from graphnav.core.machine.console import Console
+from graphnav import UserError
+from graphnav.core.cli import FAILED, OK
+from graphnav.core.machine import Console
 from graphnav.core.runner import Outcome
 from graphnav.studies.ablation.execution import read_plan
 from graphnav.studies.ablation.plan import Plan

@@ -11,7 +11,7 @@ from datetime import timedelta
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
-from graphnav.core.machine.console import Console
+from graphnav.core.machine import Console
 
 
 class _TimeLeft(ProgressColumn):

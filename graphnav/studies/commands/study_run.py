@@ -6,8 +6,8 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 
-from graphnav.core.errors import UserError
-from graphnav.core.machine.console import Console
+from graphnav import UserError
+from graphnav.core.machine import Console
 from graphnav.studies.ablation.execution import TimeEstimate
 from graphnav.studies.ablation.plan import Job
 from graphnav.studies.api.study_run import StudyRun

@@ -8,11 +8,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import PLUGINS, SET
-from graphnav.core.cli.options import PORTABLE, catalog_of
-from graphnav.core.cli.quantities import counted
-from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
-from graphnav.core.errors import Problem, UserError
+from graphnav import Problem, UserError
+from graphnav.core.api import PLUGINS, SET
+from graphnav.core.cli import FAILED, INTERRUPTED, OK, PORTABLE, catalog_of, counted
 from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.parameters import command
 from graphnav.studies.parameters import (
@@ -30,7 +28,7 @@ from graphnav.studies.parameters import (
 )
 
 if TYPE_CHECKING:
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
     from graphnav.studies.tuning import Tuning, TuningRequest, TuningRun
 
 _ABOUT = """\
@@ -65,7 +63,7 @@ _MANY_RUNS = 1000
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     with ended_by_interrupt(owns_process=args.owns_process):
-        from graphnav.core.machine.console import Console
+        from graphnav.core.machine import Console
         from graphnav.studies.api.tune import tune_into
         from graphnav.studies.commands.study_progress import study_bar
         from graphnav.studies.tuning import check_tuning, named_after

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from graphnav.core.errors import Place, Problem, UserError, did_you_mean
-from graphnav.core.graph import Graph, Node, Override
+from graphnav import Graph, Place, Problem, UserError, did_you_mean
+from graphnav.core.graph import Node, Override
 from graphnav.core.stage import Param, params_of
 from graphnav.studies.ablation.plan import CheckedStudy
 from graphnav.studies.ablation.study import Study

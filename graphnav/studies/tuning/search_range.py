@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-from graphnav.core.errors import ParamError, Place, Problem, UserError
+from graphnav import ParamError, Place, Problem, UserError
 from graphnav.core.graph import Target, parse_value
 from graphnav.core.stage import Param
 

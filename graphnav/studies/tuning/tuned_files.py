@@ -9,10 +9,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from graphnav.core.errors import UserError
-from graphnav.core.graph import Graph, Override, find_graph, shipped_graphs
-from graphnav.core.graph.paths import beside, has_path, resolve_paths
-from graphnav.core.machine.regular_file import read_json
+from graphnav import Graph, UserError
+from graphnav.core.graph import Override, beside, find_graph, has_path, resolve_paths, shipped_graphs
+from graphnav.core.machine import read_json
 from graphnav.core.spec import write_value
 from graphnav.core.stage import params_of
 from graphnav.studies.ablation.report import write_atomically

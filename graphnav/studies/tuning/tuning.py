@@ -10,10 +10,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from graphnav import Place, Problem, UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import Place, Problem, UserError
 from graphnav.core.graph import Override, Target
-from graphnav.core.machine.extras import install_command
+from graphnav.core.machine import install_command
 from graphnav.core.stage import Better
 from graphnav.studies.ablation.plan import CheckedStudy, check_study, with_versions
 from graphnav.studies.ablation.study import Axis, Choice, Study, Vary, seeds_words, study_of_command

@@ -9,7 +9,7 @@ from graphnav.core.parameters import command
 from graphnav.watch.commands import channel_report
 
 if TYPE_CHECKING:
-    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.cli import TextTable
     from graphnav.watch.spy import ChannelTraffic, Traffic
 
 _KEYS = """\
@@ -42,7 +42,7 @@ def _line(channel: ChannelTraffic) -> str:
 
 
 def _table(traffic: Traffic) -> TextTable:
-    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.cli import TextTable
     from graphnav.core.errors import shown_name
     from graphnav.watch.spy import size_of
 

@@ -7,13 +7,12 @@ import json
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.api.parameters import TRUST
-from graphnav.core.cli.options import CHANNEL, FEED, FOR_S, JSON, TYPES, catalog_of, channel_and_feed, load_types_of
-from graphnav.core.cli.status import OK
+from graphnav.core.api import TRUST
+from graphnav.core.cli import CHANNEL, FEED, FOR_S, JSON, OK, TYPES, catalog_of, channel_and_feed, load_types_of
 from graphnav.watch.commands.listening import TIMEOUT_S, ReportTimes, Timeout
 
 if TYPE_CHECKING:
-    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.cli import TextTable
     from graphnav.watch.spy import ChannelTraffic, Feed, Traffic
 
 _JSON_S = 2.5
@@ -48,7 +47,7 @@ def report(
     Raises GraphnavError where nothing was received, or nothing for as long as ``--timeout`` allows, UserError where a
     run is received that has no such channel.
     """
-    from graphnav.core.cli.tables import print_table
+    from graphnav.core.cli import print_table
     from graphnav.core.notices import print_notice
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.spy import MAX_CHANNELS, Feed, Traffic
@@ -96,7 +95,7 @@ def _print_end(
     as_json: Callable[[ChannelTraffic], dict[str, Any]],
 ) -> None:
     """Print the last report: of one channel a line, of all a table, either as JSON."""
-    from graphnav.core.cli.tables import print_table
+    from graphnav.core.cli import print_table
 
     if args.json:
         told = {name: as_json(channels[name]) for name in sorted(channels)}

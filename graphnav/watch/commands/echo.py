@@ -6,9 +6,8 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import TRUST
-from graphnav.core.cli.options import CHANNEL, FEED, FOR_S, MAX_MESSAGES, TYPES, catalog_of, load_types_of
-from graphnav.core.cli.status import FAILED, OK
+from graphnav.core.api import TRUST
+from graphnav.core.cli import CHANNEL, FAILED, FEED, FOR_S, MAX_MESSAGES, OK, TYPES, catalog_of, load_types_of
 from graphnav.core.errors import shown_name
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import OneOf, command, flag, many
@@ -54,7 +53,7 @@ examples:
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.errors import Place, UserError
+    from graphnav import Place, UserError
     from graphnav.watch.commands.echo_formats import CsvRows, EchoedMessage, JsonLines, Lines
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.spy import Feed, Selection, Traffic, parse_field

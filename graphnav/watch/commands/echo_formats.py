@@ -8,8 +8,9 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
+from graphnav import GraphnavError
 from graphnav.core.codec import lcm_name
-from graphnav.core.errors import GraphnavError, printable, shown_name
+from graphnav.core.errors import printable, shown_name
 from graphnav.core.notices import print_notice
 from graphnav.watch.spy import (
     MISSING,

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from graphnav.core.api.parameters import TRUST
-from graphnav.core.cli.options import FROM_S, RUN_OR_LOG, TO_S, TYPES, catalog_of, load_types_of
-from graphnav.core.cli.status import OK
+from graphnav.core.api import TRUST
+from graphnav.core.cli import FROM_S, OK, RUN_OR_LOG, TO_S, TYPES, catalog_of, load_types_of
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, many
 
@@ -59,11 +58,10 @@ examples:
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command: export, list the files and the losses."""
-    from graphnav.core.cli.opened_log import damage_told, opened
-    from graphnav.core.cli.progress import progress_bar
-    from graphnav.core.machine.console import Console
+    from graphnav.core.cli import damage_told, opened, progress_bar
+    from graphnav.core.machine import Console
     from graphnav.core.record import find_log
-    from graphnav.core.runner.recording.log_forecast import size_text
+    from graphnav.core.runner import size_text
     from graphnav.watch.export import Selection, duration_s, export_log
 
     catalog = catalog_of(args)

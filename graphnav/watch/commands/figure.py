@@ -6,11 +6,10 @@ import argparse
 import math
 from pathlib import Path
 
-from graphnav.core.api.parameters import TRUST
-from graphnav.core.cli.options import FROM_S, RUN_OR_LOG, TO_S
-from graphnav.core.cli.quantities import log_time, period
-from graphnav.core.cli.status import OK
-from graphnav.core.errors import UserError, shown_name
+from graphnav import UserError
+from graphnav.core.api import TRUST
+from graphnav.core.cli import FROM_S, OK, RUN_OR_LOG, TO_S, log_time, period
+from graphnav.core.errors import shown_name
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, many
 
@@ -50,11 +49,9 @@ PICTURE_FORMATS = ("png", "svg", "pdf")
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and list the files."""
     from graphnav.core.catalog import Catalog
-    from graphnav.core.cli.opened_log import damage_told, opened
-    from graphnav.core.cli.trust import trust_of
+    from graphnav.core.cli import damage_told, opened, trust_of
     from graphnav.core.record import find_log
-    from graphnav.core.report.folder import removed_if_empty
-    from graphnav.core.report.pictures import draw_all, draw_frames, draw_rows, draw_sheet
+    from graphnav.core.report import draw_all, draw_frames, draw_rows, draw_sheet, removed_if_empty
     from graphnav.watch.loginfo import unfinished
 
     if args.every_s is None and (args.from_s >= 0 or args.until_s < math.inf):

@@ -9,7 +9,7 @@ from graphnav.core.parameters import command
 from graphnav.watch.commands import channel_report
 
 if TYPE_CHECKING:
-    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.cli import TextTable
     from graphnav.core.record import Periods
     from graphnav.watch.spy import ChannelTraffic, Traffic
 
@@ -56,7 +56,7 @@ def _text(periods: Periods | None) -> str:
 
 def _table(traffic: Traffic) -> TextTable:
     """Return a row for each channel; periods are by stamp."""
-    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.cli import TextTable
     from graphnav.core.errors import shown_name
 
     table = TextTable("channel", "stamp Hz", "arrival", "min ms", "max ms", "std ms", "count", "note")

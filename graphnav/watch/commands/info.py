@@ -5,16 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 
-from graphnav.core.cli.options import JSON, LOG, TYPES, load_types_of
-from graphnav.core.cli.status import OK
+from graphnav.core.cli import JSON, LOG, OK, TYPES, load_types_of
 from graphnav.core.parameters import command
 
 
 @command(LOG, *TYPES, JSON)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.cli.tables import TextTable, print_table
-    from graphnav.core.cli.type_names import short_type
+    from graphnav.core.cli import TextTable, print_table, short_type
     from graphnav.core.record import find_log
     from graphnav.watch.loginfo import as_json, as_text, survey
     from graphnav.watch.loginfo.info_text import HEADINGS, damage, rows

@@ -28,7 +28,7 @@ TIMEOUT_S = Parameter(
 
 def complete(feed: Feed, catalog: Catalog, plugins: Sequence[Path], channels: Collection[str] | None = None) -> Feed:
     """Open the log of a feed, if it is one, with what it leaves out of ``channels``, None for all; return the feed."""
-    from graphnav.core.cli.opened_log import opened
+    from graphnav.core.cli import opened
 
     if not feed.is_live:
         feed.recording = opened(feed.path, catalog, plugins, channels)

@@ -6,16 +6,26 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import TRUST
-from graphnav.core.cli.options import CHANNELS, LOG, URL, channels_of, url_of
-from graphnav.core.cli.quantities import counted, log_time, positive
-from graphnav.core.cli.status import FAILED, OK
-from graphnav.core.cli.status_line import StatusLine
+from graphnav.core.api import TRUST
+from graphnav.core.cli import (
+    CHANNELS,
+    FAILED,
+    LOG,
+    OK,
+    URL,
+    StatusLine,
+    channels_of,
+    counted,
+    log_time,
+    positive,
+    url_of,
+)
 from graphnav.core.errors import shown_name
 from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
-    from graphnav.core.record import LogCursor, Recording
+    from graphnav import Recording
+    from graphnav.core.record import LogCursor
     from graphnav.watch.player import Player
 
 _EXAMPLES = """\
@@ -45,9 +55,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.bus import Bus
     from graphnav.core.catalog import Catalog
-    from graphnav.core.cli.foreground_keyboard import open_keyboard
-    from graphnav.core.cli.opened_log import opened
-    from graphnav.core.cli.trust import trust_of
+    from graphnav.core.cli import open_keyboard, opened, trust_of
     from graphnav.core.notices import print_notice
     from graphnav.core.record import find_log
     from graphnav.watch.player import HELP, Player, select_events

@@ -9,11 +9,21 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import CHANNELS, FOR_S, GROUP, TYPES, channels_of, load_types_of
-from graphnav.core.cli.quantities import counted, size, split
-from graphnav.core.cli.status import FAILED, OK
-from graphnav.core.cli.status_line import StatusLine
-from graphnav.core.errors import Place, UserError
+from graphnav import Place, UserError
+from graphnav.core.cli import (
+    CHANNELS,
+    FAILED,
+    FOR_S,
+    GROUP,
+    OK,
+    TYPES,
+    StatusLine,
+    channels_of,
+    counted,
+    load_types_of,
+    size,
+    split,
+)
 from graphnav.core.parameters import COUNT, Parameter, command, flag
 
 if TYPE_CHECKING:
@@ -92,8 +102,7 @@ def main(args: argparse.Namespace) -> int:
 def _opened(args: argparse.Namespace, url: str, path: Path, definitions: str) -> Recorder:
     """Return a recorder whose log is open; raise UserError if the file exists or cannot be written."""
     from graphnav.core.notices import print_notice
-    from graphnav.core.record.find_log import files_of, parts_of
-    from graphnav.core.record.log_files import LogFiles
+    from graphnav.core.record import LogFiles, files_of, parts_of
     from graphnav.watch.recorder import Recorder
 
     channels = channels_of(args)
@@ -119,7 +128,7 @@ def _opened(args: argparse.Namespace, url: str, path: Path, definitions: str) ->
 
 def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> None:
     """Show the progress until the end, or until a write fails."""
-    from graphnav.core.runner.recording.log_forecast import size_text
+    from graphnav.core.runner import size_text
     from graphnav.watch.commands.record_summary import losses
 
     begin_s = shown_s = time.monotonic()

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.quantities import counted
+from graphnav.core.cli import counted
 from graphnav.core.errors import shown_name
-from graphnav.core.runner.recording.log_forecast import size_text
+from graphnav.core.runner import size_text
 
 if TYPE_CHECKING:
     from graphnav.watch.recorder import Recorder
@@ -29,7 +29,7 @@ def losses(recorder: Recorder) -> Iterator[str]:
 
 def print_recorded(recorder: Recorder, url: str) -> None:
     """Print a table of the channels, the losses and the files."""
-    from graphnav.core.cli.tables import TextTable, print_table
+    from graphnav.core.cli import TextTable, print_table
 
     statistics = recorder.statistics
     if not statistics.n_messages:

@@ -11,14 +11,13 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import TRUST
-from graphnav.core.cli.options import FEED, FOR_S, JSON, TYPES, catalog_of, load_types_of
-from graphnav.core.cli.status import OK
+from graphnav.core.api import TRUST
+from graphnav.core.cli import FEED, FOR_S, JSON, OK, TYPES, catalog_of, load_types_of
 from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
     from graphnav.watch.spy import Feed, Traffic
 
 _REFRESH_S = 0.5
@@ -46,7 +45,7 @@ _PLAIN_TERMINALS = {"dumb", "unknown", ""}
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.spy import Feed, Traffic, as_json, as_text, drops_of
 

@@ -7,15 +7,14 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.options import FEED, FOR_S, JSON, TYPES, load_types_of
-from graphnav.core.cli.status import OK
+from graphnav.core.cli import FEED, FOR_S, JSON, OK, TYPES, load_types_of
 from graphnav.core.parameters import command, flag
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from graphnav.core.errors import GraphnavError
-    from graphnav.core.machine.console import Console
+    from graphnav import GraphnavError
+    from graphnav.core.machine import Console
     from graphnav.watch.spy import Feed, Health
 
 _REFRESH_S = 0.5
@@ -38,7 +37,7 @@ _KEYS = (("space", "freeze the view, or go on"), ("?", "show the keys, or hide t
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.machine.console import Console
+    from graphnav.core.machine import Console
     from graphnav.watch.spy import Feed, Health, health_as_json, health_as_text
 
     load_types_of(args)
@@ -74,7 +73,7 @@ def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
     """Show the runs until q or Ctrl-C; report once, after ``for_s``, that there is none."""
     from rich.live import Live
 
-    from graphnav.core.cli.foreground_keyboard import open_keyboard
+    from graphnav.core.cli import open_keyboard
     from graphnav.core.notices import print_notice
 
     begin_s, shown_s, is_new, is_told = time.monotonic(), 0.0, False, False
@@ -134,7 +133,8 @@ class _View:
 
 
 def _no_run(feed: Feed, health: Health, for_s: float) -> GraphnavError:
-    from graphnav.core.errors import GraphnavError, shown_name
+    from graphnav import GraphnavError
+    from graphnav.core.errors import shown_name
 
     if not feed.is_live:
         return GraphnavError(f"{feed.name} does not contain a status of a run: only live runs record it")

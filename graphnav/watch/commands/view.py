@@ -6,11 +6,9 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import TRUST
-from graphnav.core.cli.options import FEED, TYPES, catalog_of, load_types_of
-from graphnav.core.cli.quantities import port_number
-from graphnav.core.cli.status import OK
-from graphnav.core.errors import UserError
+from graphnav import UserError
+from graphnav.core.api import TRUST
+from graphnav.core.cli import FEED, OK, TYPES, catalog_of, load_types_of, port_number
 from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:

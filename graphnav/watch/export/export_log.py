@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from graphnav import Recording
 from graphnav.core.catalog import Catalog
-from graphnav.core.record import Recording
 from graphnav.watch.export.formats import FORMATS, Job
 from graphnav.watch.export.reader import Reader
 from graphnav.watch.export.selection import Selection

@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from graphnav.core.errors import UserError
-from graphnav.core.machine.extras import install_command
+from graphnav import UserError
+from graphnav.core.machine import install_command
 
 _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-sdk"), "pyarrow": ("parquet", "pyarrow")}
 """By imported package: the extra of graphnav that installs it, and its distribution name."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from graphnav import UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import UserError
 from graphnav.core.pictures import Pictures
 from graphnav.watch.export.entries.run_entries import RunEntries
 from graphnav.watch.export.entries.viewer_file import write_entries

@@ -7,10 +7,9 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
+from graphnav import Message, Odometry, PictureContext, State
 from graphnav.arrays import Doubles
 from graphnav.core.codec import DecodeError, codec_of
-from graphnav.core.messages import Message, Odometry, State
-from graphnav.core.pictures import PictureContext
 from graphnav.core.record import Event
 from graphnav.watch.export.reader import Reader, Sample
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
-from graphnav.core.adapter import Adapter
+from graphnav import Adapter, Message
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import lcm_name, message_class_of
 from graphnav.core.errors import CatalogError
 from graphnav.core.interrupts import CtrlC
-from graphnav.core.messages import Message
 
 
 class MessageTypes:

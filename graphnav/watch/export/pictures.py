@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from graphnav.core.errors import UserError
-from graphnav.core.messages import Image
+from graphnav import Image, UserError
 from graphnav.watch.export.files.atomic_path import placed_folder
 from graphnav.watch.export.reader import Reader
 

@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
+from graphnav import Message, Recording
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of
-from graphnav.core.messages import Message
-from graphnav.core.record import Event, Recording
+from graphnav.core.record import Event
 from graphnav.watch.export.message_types import MessageTypes
 from graphnav.watch.export.selection import Selection
 

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from graphnav.core.errors import UserError, did_you_mean
-from graphnav.core.record import ABOUT, Recording
+from graphnav import Recording, UserError, did_you_mean
+from graphnav.core.record import ABOUT
 
 
 @dataclass(frozen=True)

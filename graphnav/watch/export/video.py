@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
+from graphnav import Image, Message, UserError, VideoFrames
 from graphnav.arrays import Bytes
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import DrawingError, UserError
-from graphnav.core.messages import Image, Message
-from graphnav.core.pictures import DRAWING_FAMILY, Pictures, VideoFrames, drawing
+from graphnav.core.errors import DrawingError
+from graphnav.core.pictures import DRAWING_FAMILY, Pictures, drawing
 from graphnav.watch.export.files.atomic_path import placed_file
 from graphnav.watch.export.log_pass import LogPass
 from graphnav.watch.export.reader import Reader

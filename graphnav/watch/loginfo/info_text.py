@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 
 from graphnav.core.errors import shown_name
-from graphnav.core.runner.recording.log_forecast import size_text
+from graphnav.core.runner import size_text
 from graphnav.watch.loginfo.log_origin import LogOrigin
 from graphnav.watch.loginfo.survey import ChannelInfo, LogInfo
 

@@ -6,14 +6,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from graphnav import Recording, Status
 from graphnav.core.codec import DecodeError, decode
 from graphnav.core.errors import LogError
-from graphnav.core.machine.regular_file import read_json
-from graphnav.core.messages import Status
-from graphnav.core.record import LOG, Recording
-from graphnav.core.record.find_log import parts_of
-from graphnav.core.runner.recording.summary import SUMMARY
-from graphnav.core.runner.status import STATUS
+from graphnav.core.machine import read_json
+from graphnav.core.record import LOG, parts_of
+from graphnav.core.runner import STATUS, SUMMARY
 
 
 @dataclass(frozen=True)

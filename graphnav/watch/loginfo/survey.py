@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from graphnav import Recording
 from graphnav.core.codec import DecodeError
 from graphnav.core.errors import LogError
 from graphnav.core.messages import Gap
-from graphnav.core.record import GAP, ChannelCounts, Damaged, Recording, TruncatedEvent, kind_of
+from graphnav.core.record import GAP, ChannelCounts, Damaged, TruncatedEvent, kind_of
 from graphnav.watch.loginfo.log_origin import LogOrigin, origin_of
 from graphnav.watch.loginfo.unfinished import unfinished
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav.core.run_folder import GRAPH, LOG
-from graphnav.core.runner.recording.progress_file import is_running, last_call
-from graphnav.core.runner.recording.summary import SUMMARY
+from graphnav.core.runner import SUMMARY, is_running, last_call
 
 
 def unfinished(log: Path) -> str:

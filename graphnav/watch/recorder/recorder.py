@@ -7,10 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from graphnav.core.errors import LogError
-from graphnav.core.record import ABOUT, ThreadedLogWriter
-from graphnav.core.record.about_first import AboutFirst
-from graphnav.core.record.channel_filter import ChannelFilter
-from graphnav.core.record.log_files import LogFiles
+from graphnav.core.record import ABOUT, AboutFirst, ChannelFilter, LogFiles, ThreadedLogWriter
 from graphnav.watch.recorder.channel_statistics import ReceiveStatistics
 from graphnav.watch.recorder.listener import Listener
 

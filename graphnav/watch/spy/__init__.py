@@ -1,10 +1,17 @@
 """Show the channels of a multicast group or a log: types, rates, sizes, contents."""
 
-from graphnav.core.fields.field_columns import all_columns, columns_of
-from graphnav.core.fields.field_path import MISSING, FieldPath, parse_field
-from graphnav.core.fields.field_summary import described, summarised
-from graphnav.core.fields.plain_values import nested, plain
-from graphnav.core.fields.selection import Selection
+from graphnav.core.fields import (
+    MISSING,
+    FieldPath,
+    Selection,
+    all_columns,
+    columns_of,
+    described,
+    nested,
+    parse_field,
+    plain,
+    summarised,
+)
 from graphnav.watch.spy.announcements import Announcements
 from graphnav.watch.spy.feed import Feed, Received, drops_of
 from graphnav.watch.spy.feed_listener import FeedListener

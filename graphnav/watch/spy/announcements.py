@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from graphnav import About
 from graphnav.core.codec import DecodeError, decode
-from graphnav.core.messages import About
 from graphnav.core.record import silent_after_s
 from graphnav.watch.spy.feed import Received
 

@@ -8,10 +8,11 @@ from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import NamedTuple
 
+from graphnav import GraphnavError, Recording
 from graphnav.core.bus import Bus, require_route, with_defaults
-from graphnav.core.errors import GraphnavError, shown_name
+from graphnav.core.errors import shown_name
 from graphnav.core.lcm_url import tap_url
-from graphnav.core.record import Recording, find_log
+from graphnav.core.record import find_log
 
 _PATIENCE_S = 0.1
 _AT_ONCE = 1000

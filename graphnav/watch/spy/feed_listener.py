@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from contextlib import closing
 
-from graphnav.core.errors import GraphnavError
+from graphnav import GraphnavError
 from graphnav.watch.spy.feed import Feed, Received
 
 

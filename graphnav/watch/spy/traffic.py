@@ -5,9 +5,10 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
+from graphnav import GraphnavError, UserError, did_you_mean
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError
-from graphnav.core.errors import GraphnavError, Hint, UserError, did_you_mean, shown_name
+from graphnav.core.errors import Hint, shown_name
 from graphnav.core.record import ABOUT, ChannelAccount, Clock, Kind
 from graphnav.watch.spy.announcements import RUN_SILENT_S, Announcements
 from graphnav.watch.spy.feed import Feed, Received, drops_of

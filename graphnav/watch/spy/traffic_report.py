@@ -8,8 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from graphnav.core.errors import shown_name
-from graphnav.core.fields.field_summary import declared, described, summarised
-from graphnav.core.fields.plain_values import plain
+from graphnav.core.fields import declared, described, plain, summarised
 from graphnav.core.record import Periods
 from graphnav.watch.spy.announcements import MAX_RUNS
 from graphnav.watch.spy.feed import Feed

@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 import time
 
-from graphnav.core.errors import GraphnavError, one_line
+from graphnav import GraphnavError
+from graphnav.core.errors import one_line
 from graphnav.watch.spy import Feed, FeedListener, Received
 from graphnav.watch.view.watch import Watch
 

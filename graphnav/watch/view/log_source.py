@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
-from graphnav.core.record import LogCursor, Recording
+from graphnav import Recording
+from graphnav.core.record import LogCursor
 from graphnav.watch.spy import Received
 from graphnav.watch.view.watch import Watch
 

@@ -7,9 +7,8 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+from graphnav import About, GraphnavError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import GraphnavError
-from graphnav.core.messages import About
 from graphnav.core.pictures import Pictures
 from graphnav.watch.spy import plain
 from graphnav.watch.view.channel import WatchedChannel

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import graphnav_lcm
 
+from graphnav import About
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import type_named
-from graphnav.core.graph.wiring.channels import RESERVED
-from graphnav.core.messages import About
+from graphnav.core.graph import RESERVED
 from graphnav.core.record import ABOUT, FirstArrivals, Kind, kind_of
 from graphnav.watch.spy import Announcements, Health, Received
 from graphnav.watch.view.channel import WatchedChannel

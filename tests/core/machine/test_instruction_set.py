@@ -17,7 +17,7 @@ from graphnav.core.machine import instruction_set as computed
 from graphnav.core.machine import pins
 from graphnav.core.machine.instruction_set import PORTABLE
 
-_SAYS = "from graphnav.core.machine.instruction_set import instruction_set; print(instruction_set())"
+_SAYS = "from graphnav.core.machine.instruction_set import used_instruction_set; print(used_instruction_set())"
 _PINNED = ("OPENBLAS_CORETYPE", "OPENCV_CPU_DISABLE", "OPENCV_IPP", "NPY_DISABLE_CPU_FEATURES")
 
 needs_baseline = pytest.mark.skipif(bool(pins.lacking()), reason=pins.lacking())
@@ -127,8 +127,8 @@ def test_a_cpu_without_the_baseline_is_refused_by_name(
     cpu.write_text("processor : 0\nmodel name\t: Old CPU 3000\nflags\t\t: sse sse2 fma\n")
     monkeypatch.setattr(pins, "_CPU_INFO", cpu)
     monkeypatch.setattr("os.uname", lambda: SimpleNamespace(machine="x86_64"))
-    computed.instruction_set.cache_clear()
-    monkeypatch.setattr(computed, "instruction_set", lambda: "numpy SSE")
+    computed.used_instruction_set.cache_clear()
+    monkeypatch.setattr(computed, "used_instruction_set", lambda: "numpy SSE")
     with pytest.raises(UserError, match=r"this CPU \(Old CPU 3000\) has no avx2, f16c, bmi1, bmi2, movbe, abm, which"):
         computed.require_portable()
     monkeypatch.setattr("os.uname", lambda: SimpleNamespace(machine="aarch64"))

@@ -13,8 +13,8 @@ from graphnav.core.errors import LogError
 from graphnav.core.messages import About
 from graphnav.core.record import ABOUT, LOG, Recording
 from graphnav.core.record.about_first import WAIT_S, AboutFirst
-from graphnav.core.record.find_log import files_of, numbered, parts_of
 from graphnav.core.record.log_files import LogFiles, Split
+from graphnav.core.record.log_paths import files_of, numbered, parts_of
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 SAID = encode(About("stages: {}\n", "", "cafe", 7, (), ()), 0, 0)

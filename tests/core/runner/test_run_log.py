@@ -17,7 +17,7 @@ from graphnav.core.errors import UserError
 from graphnav.core.graph import Graph, load_graph, parse_override, resolved_yaml
 from graphnav.core.messages import Twist
 from graphnav.core.record import ABOUT, LOG, Recording
-from graphnav.core.record.find_log import parts_of
+from graphnav.core.record.log_paths import parts_of
 from graphnav.core.runner.recording.run_recorded import run_recorded
 
 

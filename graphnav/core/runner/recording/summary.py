@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.core.machine.atomic_write import write_atomically
-from graphnav.core.machine.instruction_set import instruction_set
+from graphnav.core.machine.instruction_set import used_instruction_set
 from graphnav.core.runner.unit import Unit
 from graphnav.core.stage import Stage, reported_metrics
 
@@ -115,7 +115,7 @@ def _versions() -> dict[str, str]:
         "python": platform.python_version(),
         "machine": platform.machine(),
         "libc": " ".join(platform.libc_ver()),
-        INSTRUCTION_SET: instruction_set(),
+        INSTRUCTION_SET: used_instruction_set(),
     }
     for name in _RECORDED:
         try:

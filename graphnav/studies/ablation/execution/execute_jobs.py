@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from graphnav.core.errors import GraphnavError
-from graphnav.core.graph import Graph, resolved_yaml
+from graphnav import Graph, GraphnavError
+from graphnav.core.graph import resolved_yaml
 from graphnav.core.record import LOG
 from graphnav.core.run_folder import GRAPH
-from graphnav.core.runner import Outcome
-from graphnav.core.runner.recording.summary import SUMMARY, Summary, versions
+from graphnav.core.runner import SUMMARY, Outcome, Summary, versions
 from graphnav.studies.ablation.execution.study_folder import StudyFolder
 from graphnav.studies.ablation.execution.workers import Workers
 from graphnav.studies.ablation.plan import Case, CheckedStudy, Job, Plan

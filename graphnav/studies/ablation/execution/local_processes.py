@@ -17,9 +17,9 @@ from multiprocessing.connection import Pipe, wait
 from pathlib import Path
 from tempfile import gettempdir, mkdtemp
 
-from graphnav.core.errors import GraphnavError
-from graphnav.core.machine.single_thread import ONE_THREAD
-from graphnav.core.runner.recording.progress_file import last_call
+from graphnav import GraphnavError
+from graphnav.core.machine import ONE_THREAD
+from graphnav.core.runner import last_call
 from graphnav.studies.ablation import worker
 from graphnav.studies.ablation.worker import IDLE_S, Result, Task
 

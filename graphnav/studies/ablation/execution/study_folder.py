@@ -11,9 +11,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from graphnav.core.errors import GraphnavError, UserError
-from graphnav.core.runner.recording.saved_graph import copies_of
-from graphnav.core.runner.recording.summary import SUMMARY
+from graphnav import GraphnavError, UserError
+from graphnav.core.runner import SUMMARY, copies_of
 from graphnav.core.trust import read_plugin, remember, remember_written, request_of_plan
 from graphnav.studies.ablation.plan import RUNS, Plan, check_compatible
 

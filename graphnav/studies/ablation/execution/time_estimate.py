@@ -6,8 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.core.runner import Outcome
-from graphnav.core.runner.recording.summary import SUMMARY
+from graphnav.core.runner import SUMMARY, Outcome
 from graphnav.studies.ablation.execution.execute_jobs import TaskFactory
 from graphnav.studies.ablation.execution.workers import Workers
 from graphnav.studies.ablation.plan import Job

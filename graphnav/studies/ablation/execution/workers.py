@@ -11,9 +11,9 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
-from graphnav.core.errors import GraphnavError, UserError
+from graphnav import GraphnavError, UserError
 from graphnav.core.interrupts import ctrl_c_later
-from graphnav.core.machine.extras import install_command
+from graphnav.core.machine import install_command
 from graphnav.studies.ablation.execution.local_processes import LocalWorkers
 from graphnav.studies.ablation.worker import Result, Task
 

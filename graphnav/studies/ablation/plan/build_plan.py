@@ -9,11 +9,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from graphnav import Graph, Role, UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import UserError
-from graphnav.core.graph import Graph, resolved_yaml
-from graphnav.core.runner.recording.summary import versions
-from graphnav.core.stage import Role
+from graphnav.core.graph import resolved_yaml
+from graphnav.core.runner import versions
 from graphnav.studies.ablation.plan.checked_cases import CaseProblems, CheckedCase, check_cases, stage_classes
 from graphnav.studies.ablation.plan.plan import RUNS, Case, Plan
 from graphnav.studies.ablation.plan.study_problems import checked_metrics, declared_metrics, study_problems

@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from graphnav import Graph, Place, Problem, Role, Stage, Suggestion, UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import Hint, Place, Problem, ProblemKind, Suggestion, UserError
-from graphnav.core.graph import Graph, Node, Override, load_graph, without_replaced
-from graphnav.core.graph.paths import has_path
-from graphnav.core.stage import Role, Stage, params_of
+from graphnav.core.errors import Hint, ProblemKind
+from graphnav.core.graph import Node, Override, has_path, load_graph, without_replaced
+from graphnav.core.stage import params_of
 from graphnav.studies.ablation.plan.upstream import driving_stages
 from graphnav.studies.ablation.plan.variants import Variant
 from graphnav.studies.ablation.study import Axis, Study

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphnav.core.stage import Metric, former_names, unit_of
+from graphnav import Metric
+from graphnav.core.stage import FormerNames, unit_of
 from graphnav.studies.ablation.study import MetricExpression
 
 
@@ -19,11 +20,11 @@ def as_written_now(data: dict[str, Any]) -> dict[str, Any]:
     if "metrics" in data:
         return data
     now = dict(data)
-    columns = [MetricExpression.parse(text).renamed(former_names.metric_now) for text in now.pop("figures")]
-    lower = [former_names.metric_now(name) for name in now.pop("less_is_better")]
+    columns = [MetricExpression.parse(text).renamed(FormerNames.metric_now) for text in now.pop("figures")]
+    lower = [FormerNames.metric_now(name) for name in now.pop("less_is_better")]
     stages = dict.fromkeys(stage for case in data["cases"] for stage in case["uses"])
     operands = [name for column in columns for name in column.operands]
-    zero = [f"{stage}.{name}" for stage in stages for name in former_names.ZERO_IF_FAILED]
+    zero = [f"{stage}.{name}" for stage in stages for name in FormerNames.ZERO_IF_FAILED]
     names = dict.fromkeys([*operands, *lower, *zero])
     now["metrics"] = [column.text for column in columns]
     now["declared"] = {name: vars(_metric(name, is_lower=name in lower)) for name in names}
@@ -39,17 +40,17 @@ def undeclared(name: str) -> Metric:
 
 def _metric(name: str, *, is_lower: bool) -> Metric:
     metric = name.partition(".")[2]
-    is_outcome = metric == former_names.OUTCOME
+    is_outcome = metric == FormerNames.OUTCOME
     return Metric(
         metric,
         help="",
         unit=unit_of(metric).symbol,
         better="lower" if is_lower else "higher",
-        if_failed=0.0 if metric in former_names.ZERO_IF_FAILED else "measured",
+        if_failed=0.0 if metric in FormerNames.ZERO_IF_FAILED else "measured",
         is_outcome=is_outcome,
     )
 
 
 def _case(case: dict[str, Any]) -> dict[str, Any]:
-    role = former_names.ROLES.get(case["role"], case["role"])
+    role = FormerNames.ROLES.get(case["role"], case["role"])
     return {**case, "role": role}

@@ -11,11 +11,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from graphnav.core.errors import Place, shown_path
+from graphnav import Metric, Place, Role, shown_path
 from graphnav.core.graph import Override, Target, parse_override
-from graphnav.core.machine.atomic_write import write_atomically
-from graphnav.core.machine.regular_file import read_json
-from graphnav.core.stage import Better, Metric, Role
+from graphnav.core.machine import read_json, write_atomically
+from graphnav.core.stage import Better
 from graphnav.studies.ablation.plan import former_plan
 from graphnav.studies.ablation.plan.check_types import check_types
 from graphnav.studies.ablation.study import Decomposition, MetricExpression

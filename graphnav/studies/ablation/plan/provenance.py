@@ -11,11 +11,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from graphnav import UserError
 from graphnav.core.catalog import GROUP
-from graphnav.core.errors import UserError
-from graphnav.core.machine.instruction_set import PORTABLE, expected_instruction_set
-from graphnav.core.machine.pins import OPT_OUT
-from graphnav.core.runner.recording.summary import INSTRUCTION_SET, versions
+from graphnav.core.machine import OPT_OUT, PORTABLE, expected_instruction_set
+from graphnav.core.runner import INSTRUCTION_SET, versions
 from graphnav.core.spec import parse_yaml
 from graphnav.studies.ablation.plan.plan import Case, Plan
 

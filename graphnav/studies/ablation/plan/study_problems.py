@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from graphnav.core.errors import Place, Problem, UserError, did_you_mean
+from graphnav import Metric, Place, Problem, Stage, UserError, did_you_mean
 from graphnav.core.graph import Override, Target
-from graphnav.core.stage import Metric, Stage, former_names, metrics_of
+from graphnav.core.stage import FormerNames, metrics_of
 from graphnav.studies.ablation.plan.variants import Variant
 from graphnav.studies.ablation.study import MetricExpression, Study
 
@@ -64,7 +64,7 @@ def _unknown(column: MetricExpression, place: Place | None, classes: Classes) ->
             yield Problem(place, f"'{operand}': stage '{stage}' reports no metrics", stages)
         elif operand not in declared:
             known = [name for cls in classes[stage] for name in metrics_of(cls)]
-            near = did_you_mean(metric, known, {**former_names.METRICS, **former_names.REPLACED_METRICS})
+            near = did_you_mean(metric, known, {**FormerNames.METRICS, **FormerNames.REPLACED_METRICS})
             hint = near or f"its metrics are {', '.join(dict.fromkeys(known))}"
             yield Problem(place, f"'{operand}': stage '{stage}' has no metric '{metric}'", hint)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from graphnav.core.graph import Graph, Node
+from graphnav import Graph
+from graphnav.core.graph import Node
 
 
 def upstream(graph: Graph, starts: Iterable[str], *, through_sources: bool) -> frozenset[str]:

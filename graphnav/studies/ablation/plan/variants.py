@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from graphnav.core.errors import UserError
+from graphnav import UserError
 from graphnav.core.graph import Override
 from graphnav.studies.ablation.study import Axis, Choice, Study
 

@@ -1,6 +1,6 @@
 """The tables and the report of a study."""
 
-from graphnav.core.machine.atomic_write import write_atomically
+from graphnav.core.machine import write_atomically
 from graphnav.studies.ablation.report.csv_files import METRICS, RESULTS, TIMING, runs_data, write_csv_files
 from graphnav.studies.ablation.report.decomposition import PICTURE, decomposition_picture, sentences
 from graphnav.studies.ablation.report.html import write_report

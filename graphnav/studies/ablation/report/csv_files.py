@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from graphnav.core.machine.atomic_write import write_atomically
+from graphnav.core.machine import write_atomically
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.results import Record, in_plan_order, metric_columns
 from graphnav.studies.table import Data

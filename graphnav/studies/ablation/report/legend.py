@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from graphnav.core.stage import UNDEFINED
+from graphnav import UNDEFINED
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.number_format import APPROXIMATE
 from graphnav.studies.ablation.results import ALPHA, EXACT_BELOW, Comparison, Row, min_worlds, shown_metrics

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from rich.text import Text
 
-from graphnav.core.machine.console import Console
+from graphnav.core.machine import Console
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.legend import OWN_FRAMES, same_graphs, too_few_worlds
 from graphnav.studies.ablation.report.markdown import different_versions, only_in_one

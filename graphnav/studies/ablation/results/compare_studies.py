@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from graphnav.core.errors import UserError
+from graphnav import UserError
 from graphnav.core.stage import Better
 from graphnav.studies.ablation.plan import Plan, shows_same_drive
 from graphnav.studies.ablation.results.comparison import Difference, Estimate, as_family

@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from graphnav.core.errors import Problem, UserError, did_you_mean
+from graphnav import Problem, UserError, did_you_mean
 from graphnav.studies.ablation.plan import Case, Job, Plan
 from graphnav.studies.ablation.results.comparison import Comparison, Difference, Estimate, Row, as_family
 from graphnav.studies.ablation.results.records import Record

@@ -8,7 +8,8 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.core.errors import Hint, Place, Problem, UserError, did_you_mean
+from graphnav import Place, Problem, UserError, did_you_mean
+from graphnav.core.errors import Hint
 from graphnav.studies.ablation.results.compare_studies import PairedStudies
 from graphnav.studies.ablation.results.comparison import Difference
 from graphnav.studies.ablation.study import MetricExpression

@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from graphnav.core.errors import Problem, UserError, shown_path
-from graphnav.core.machine.regular_file import read_json
+from graphnav import Metric, Problem, UserError, shown_path
+from graphnav.core.machine import read_json
 from graphnav.core.run_folder import LOG
-from graphnav.core.runner import Outcome
-from graphnav.core.runner.recording.summary import SUMMARY
-from graphnav.core.stage import Metric, former_names
+from graphnav.core.runner import SUMMARY, Outcome
+from graphnav.core.stage import FormerNames
 from graphnav.studies.ablation.plan import RUNS, Case, Job, Plan
 
 
@@ -197,7 +196,7 @@ def are_cut_off(plan: Plan, runs: Iterable[Record]) -> bool:
 
 def _metrics(scores: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
     return {
-        former_names.metric_now(f"{stage}.{metric}"): float(value)
+        FormerNames.metric_now(f"{stage}.{metric}"): float(value)
         for stage, metrics in scores.items()
         for metric, value in metrics.items()
         if value is not None and math.isfinite(value)

@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
+from graphnav import GraphnavError
 from graphnav.arrays import Doubles
-from graphnav.core.errors import GraphnavError
 from graphnav.core.stage import Better
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.results.comparison import Comparison, Difference, Estimate

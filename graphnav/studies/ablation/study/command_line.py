@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
-from graphnav.core.errors import Place, Problem, UserError
+from graphnav import Place, Problem, UserError
 from graphnav.core.graph import Override, find_graph
 from graphnav.studies.ablation.study.find_study import classify
 from graphnav.studies.ablation.study.study import Axis, Study

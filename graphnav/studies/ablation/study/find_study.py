@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from graphnav.core.errors import Place, UserError, shown_path
+from graphnav import Place, UserError, Value, shown_path
 from graphnav.core.graph import find_graph, shipped_folder, shipped_graphs, suggest_graph
-from graphnav.core.spec import Value, keys_of, parse_yaml, read_bytes
+from graphnav.core.spec import keys_of, parse_yaml, read_bytes
 from graphnav.studies.ablation.study.study_keys import StudyKeys
 
 _ONLY_IN_STUDIES = (keys_of(StudyKeys).keys() | StudyKeys.renamed.keys()) - {"about"}

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import accumulate
 
-from graphnav.core.errors import Place, UserError
+from graphnav import Place, UserError
 from graphnav.core.graph import Override
 
 _OPERAND = r"[a-z][a-z0-9_]*\.\S+"

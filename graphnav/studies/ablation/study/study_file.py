@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from graphnav.core.errors import Place, Problem, UserError, shown_path
+from graphnav import Place, Problem, UserError, Value, shown_path
 from graphnav.core.graph import Override, Target, find_graph, parse_override
-from graphnav.core.spec import Value, parse_scalar, write_value
+from graphnav.core.spec import parse_scalar, write_value
 from graphnav.studies.ablation.study.find_study import find, read
 from graphnav.studies.ablation.study.study import Axis, Choice, Study
 from graphnav.studies.ablation.study.study_keys import STUDY, Choices, Settings, StudyKeys

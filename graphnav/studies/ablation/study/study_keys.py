@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from graphnav.core.spec import FileFormat, Record, Value, key
-from graphnav.core.stage import former_names
+from graphnav import FileFormat, Record, Value, key
+from graphnav.core.stage import FormerNames
 from graphnav.studies.ablation.study.worlds import HINT, MAX_SEED
 
 Names = str | tuple[str, ...]
@@ -22,7 +22,7 @@ class StudyKeys(Record):
 
     noun = "a study"
     one_of = ("graph", "graphs")
-    renamed = dict(former_names.STUDY_KEYS)  # noqa: RUF012
+    renamed = dict(FormerNames.STUDY_KEYS)  # noqa: RUF012
 
     about: str = key("", doc="the question that the study answers; not evaluated")
     graph: Names | None = key(

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
-from graphnav.core.errors import Place, Problem, UserError, did_you_mean
+from graphnav import Place, Problem, UserError, did_you_mean
 from graphnav.core.graph import Override, Target, parse_override, parse_value
 from graphnav.core.spec import write_value
 from graphnav.studies.ablation.study.study import Axis, Choice

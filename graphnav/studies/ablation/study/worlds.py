@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from graphnav.core.errors import Place, Problem, UserError
+from graphnav import Place, Problem, UserError
 from graphnav.core.graph import suggest_graph
 
 MAX_SEED = 4_294_967_295

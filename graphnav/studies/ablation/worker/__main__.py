@@ -13,7 +13,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from graphnav.core.errors import one_line
-from graphnav.core.machine.escaped_output import escaped_output
+from graphnav.core.machine import escaped_output
 from graphnav.studies.ablation.worker.perform_task import IDLE_S, Result, Task, perform
 
 

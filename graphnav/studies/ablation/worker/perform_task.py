@@ -9,16 +9,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
+from graphnav import Graph, GraphnavError, Recording, UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import DrawingError, GraphnavError, LogError, StageError, UserError
-from graphnav.core.graph import Graph, graph_of
+from graphnav.core.errors import DrawingError, LogError, StageError
+from graphnav.core.graph import graph_of
 from graphnav.core.pictures import drawing
-from graphnav.core.record import LOG, Recording
-from graphnav.core.report.pictures import draw_all
-from graphnav.core.runner import Outcome
-from graphnav.core.runner.recording.run_recorded import run_recorded
-from graphnav.core.runner.recording.stall import StallLimit
-from graphnav.core.runner.recording.summary import Summary
+from graphnav.core.record import LOG
+from graphnav.core.report import draw_all
+from graphnav.core.runner import Outcome, StallLimit, Summary, run_recorded
 from graphnav.studies import parameters
 from graphnav.studies.ablation.plan import difference_here
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from PIL import Image as PillowImage
 
+from graphnav import Map
 from graphnav.arrays import Bytes, Doubles
-from graphnav.core.messages import Map
 
 _PNG_LEVEL = 3
 """The zlib level; 9 takes ten times as long and saves a few per cent."""

@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from graphnav.core.errors import UserError
-from graphnav.core.machine.regular_file import read_json
-from graphnav.core.messages import About, GuardState, Message, State, Stop
-from graphnav.core.record import ABOUT, Recording
+from graphnav import About, GuardState, Message, Recording, State, Stop, UserError
+from graphnav.core.machine import read_json
+from graphnav.core.record import ABOUT
 from graphnav.core.spec import parse_yaml
 from graphnav.watch.export.entries.entries import Level, Line
 

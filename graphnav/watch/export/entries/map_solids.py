@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from graphnav import Map
 from graphnav.arrays import Doubles, Ints
-from graphnav.core.messages import Map
 
 PATH_HEIGHT_M = 0.05
 _ROBOT_HEIGHT_M = 0.1

@@ -6,10 +6,10 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
+from graphnav import Image, Map, Message, Odometry, PictureContext, State
 from graphnav.arrays import Doubles
 from graphnav.core.errors import DrawingError
-from graphnav.core.messages import Image, Map, Message, Odometry, State
-from graphnav.core.pictures import PictureContext, Pictures
+from graphnav.core.pictures import Pictures
 from graphnav.watch.export.entries.entries import Path, Picture, Pose, Robot
 
 M = TypeVar("M", bound=Message)

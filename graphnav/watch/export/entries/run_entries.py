@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from graphnav.core.messages import Map, Odometry, State
+from graphnav import Map, Odometry, State
 from graphnav.core.pictures import Pictures
 from graphnav.watch.export.entries.entries import Entry, Level, Line, Scalars, World
 from graphnav.watch.export.entries.event_lines import Lines, heading, outcome_lines

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from graphnav.core.errors import UserError
+from graphnav import UserError
 from graphnav.watch.export.entries.entries import Entry
 from graphnav.watch.export.entries.run_entries import RunEntries
 from graphnav.watch.export.files.atomic_path import placed_file

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from graphnav.core.errors import GraphnavError, UserError
-from graphnav.core.machine.atomic_write import path_aside, written_aside
+from graphnav import GraphnavError, UserError, written_aside
+from graphnav.core.machine import path_aside
 
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _ELSEWHERE = "choose another place with -o"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphnav.core.messages import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth, Twist
+from graphnav import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth, Twist
 from graphnav.watch.export.entries.topics import PICTURE, parts_of
 from graphnav.watch.export.extras import require
 from graphnav.watch.export.log_pass import POSES

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from graphnav.core.codec import fields_of
-from graphnav.core.codec.layout import Field
+from graphnav.core.codec import Field, fields_of
 
 Step = str | tuple[int, ...]
 """The name of a field, or an array index."""

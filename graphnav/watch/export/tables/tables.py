@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav.core.errors import UserError
+from graphnav import UserError
 from graphnav.watch.export.files.atomic_path import placed_file, placed_folder
 from graphnav.watch.export.reader import Reader
 from graphnav.watch.export.tables.file_names import file_names

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from graphnav import About, GuardState, Status
 from graphnav.core.codec import DecodeError, decode, fingerprint
-from graphnav.core.messages import About, GuardState, Status
 from graphnav.core.record import ABOUT, silent_after_s
 from graphnav.watch.spy.announcements import MAX_RUNS, RUN_SILENT_S
 from graphnav.watch.spy.feed import Received

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphnav.core.fields.plain_values import plain
+from graphnav.core.fields import plain
 from graphnav.watch.spy.health.health import GuardHealth, Health, RunHealth
 
 

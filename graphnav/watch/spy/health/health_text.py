@@ -10,8 +10,8 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from graphnav import Status
 from graphnav.core.errors import shown_name
-from graphnav.core.messages import Status
 from graphnav.watch.spy.announcements import MAX_RUNS
 from graphnav.watch.spy.health.health import GuardHealth, Health, RunHealth
 

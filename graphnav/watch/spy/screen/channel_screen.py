@@ -12,9 +12,9 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Footer, Static
 
+from graphnav import Message
 from graphnav.arrays import Bytes
 from graphnav.core.errors import CatalogError, DrawingError, shown_name
-from graphnav.core.messages import Message
 from graphnav.core.pictures import drawing
 from graphnav.watch.spy.screen.field_tree import FieldTree
 from graphnav.watch.spy.screen.keys_screen import is_shown

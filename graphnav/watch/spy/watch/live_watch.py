@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
+from graphnav import GraphnavError
 from graphnav.core.bus import require_route, with_defaults
-from graphnav.core.errors import GraphnavError, shown_name
+from graphnav.core.errors import shown_name
 from graphnav.core.record import ABOUT, ThreadedLogWriter
 from graphnav.watch.spy.feed import Feed, Received
 from graphnav.watch.spy.feed_listener import FeedListener

@@ -7,14 +7,12 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from graphnav import Adapter, Message, PictureContext, State
 from graphnav.arrays import Doubles
-from graphnav.core.adapter import Adapter
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of, message_class_of, type_of
 from graphnav.core.errors import CatalogError, one_line
 from graphnav.core.interrupts import CtrlC
-from graphnav.core.messages import Message, State
-from graphnav.core.pictures import PictureContext
 from graphnav.watch.spy.watch.watch import Watch
 
 M = TypeVar("M", bound=Message)

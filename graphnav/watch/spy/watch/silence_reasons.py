@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from graphnav.core.large_messages.child import PACKET_BYTES
-from graphnav.core.machine.receive_buffer import RECEIVE_BUFFER_BYTES
+from graphnav.core.large_messages import PACKET_BYTES
+from graphnav.core.machine import RECEIVE_BUFFER_BYTES
 from graphnav.watch.spy.traffic import ChannelTraffic
 from graphnav.watch.spy.traffic_report import size_of
 

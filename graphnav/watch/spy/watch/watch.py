@@ -6,7 +6,7 @@ import threading
 from collections import deque
 from typing import NamedTuple, Protocol, TypeVar
 
-from graphnav.core.messages import Message
+from graphnav import Message
 from graphnav.watch.spy.feed import Received
 from graphnav.watch.spy.traffic import ChannelTraffic, Traffic
 from graphnav.watch.spy.watch.row import Row

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
+from graphnav import About, Message, Source, UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import CatalogError, UserError
+from graphnav.core.errors import CatalogError
 from graphnav.core.graph import Channel
-from graphnav.core.messages import About, Message
-from graphnav.core.render.boxes import Box, InPort, Kind, OutPort
+from graphnav.core.render import Box, InPort, Kind, OutPort
 from graphnav.core.spec import Entry, InputSpec, OutputSpec, Spec, StageSpec, outline_of
-from graphnav.core.stage import Port, Source, ports_of
+from graphnav.core.stage import Port, ports_of
 
 _MAX_BOXES = 200
 _MAX_PORTS = 64

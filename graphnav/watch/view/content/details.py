@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from graphnav import Message, PictureContext
 from graphnav.arrays import Bytes
 from graphnav.core.codec import DecodeError, codec_of, decode, message_class_of
-from graphnav.core.messages import Message
-from graphnav.core.pictures import PictureContext, Pictures
+from graphnav.core.pictures import Pictures
 from graphnav.core.record import Kind
 from graphnav.watch.spy import Received, plain, summarised
 from graphnav.watch.view.content.moment import Moment

@@ -8,8 +8,8 @@ from typing import Any
 import graphnav_lcm
 import numpy as np
 
+from graphnav import Map
 from graphnav.core.codec import DecodeError, decode
-from graphnav.core.messages import Map
 from graphnav.watch.spy import Received
 from graphnav.watch.view.channel import WatchedChannel
 

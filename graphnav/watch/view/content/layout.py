@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphnav.core.render.boxes import Box
-from graphnav.core.render.geometry import PlacedBox, PlacedWire, Sizes, geometry_of
+from graphnav.core.render import Box, PlacedBox, PlacedWire, Sizes, geometry_of
 from graphnav.watch.view.content.announced_graph import AnnouncedGraph
 
 _SIZES = Sizes(char=7.2, min_chars=17, row=32.0, gap_x=96.0, lane=62.0, foot=30.0)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Iterable
 
+from graphnav import About, GraphnavError, Map, Message, Odometry, State
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of
-from graphnav.core.errors import GraphnavError
-from graphnav.core.messages import About, Map, Message, Odometry, State
 from graphnav.core.pictures import Pictures
 from graphnav.core.record import ABOUT, kind_of
 from graphnav.watch.export.entries.entries import Level, Line, Scalars, World

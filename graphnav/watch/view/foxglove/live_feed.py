@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from graphnav.core.errors import GraphnavError, one_line
+from graphnav import GraphnavError
+from graphnav.core.errors import one_line
 from graphnav.watch.spy import Feed, FeedListener, Received
 from graphnav.watch.view.foxglove.arrivals import Arrival, Arrivals
 

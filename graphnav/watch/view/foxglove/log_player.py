@@ -5,8 +5,9 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
+from graphnav import Recording
 from graphnav.core.codec import message_class_of
-from graphnav.core.record import LogCursor, Recording
+from graphnav.core.record import LogCursor
 from graphnav.watch.export.entries.run_entries import MAX_UTIME
 from graphnav.watch.export.log_pass import POSES
 from graphnav.watch.view.foxglove.arrivals import Arrival, Arrivals

@@ -6,9 +6,9 @@ from typing import TypeVar, cast
 
 import numpy as np
 
+from graphnav import Message, Odometry, State
 from graphnav.arrays import Doubles
 from graphnav.core.codec import DecodeError, codec_of
-from graphnav.core.messages import Message, Odometry, State
 from graphnav.watch.export.log_pass import POSES
 from graphnav.watch.export.message_types import MessageTypes
 from graphnav.watch.view.foxglove.arrivals import Arrival

@@ -9,8 +9,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from graphnav import UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import UserError
 from graphnav.watch.export.entries.event_lines import outcome_lines
 from graphnav.watch.export.extras import require
 from graphnav.watch.export.foxglove.foxglove_channels import FoxgloveChannels

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from graphnav import About, Message
 from graphnav.core.codec import type_named
-from graphnav.core.messages import About, Message
 from graphnav.watch.export.entries.message_entries import may_have_picture
 from graphnav.watch.export.foxglove.foxglove_channels import FoxgloveChannels
 from graphnav.watch.export.message_types import MessageTypes

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from graphnav.core.errors import GraphnavError
+from graphnav import GraphnavError
 from graphnav.watch.view.content.details import Cursor
 
 _MAX_NAME = 1000

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from markupsafe import Markup
 
+from graphnav import Graph
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import Graph
-from graphnav.core.machine.atomic_write import write_atomically
+from graphnav.core.machine import write_atomically
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.html.first_screen import overview
 from graphnav.studies.ablation.report.html.plots import plots

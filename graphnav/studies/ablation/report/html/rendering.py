@@ -10,14 +10,14 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from graphnav.core.render import html_templates
+from graphnav.core.render import rendered as rendered_of
 from graphnav.studies.ablation.report import number_format
 from graphnav.studies.ablation.results import Estimate
 
 
 def rendered(template: str, /, **values: object) -> Markup:
     """Return ``templates/<template>`` with ``values`` filled in; strings are escaped."""
-    return html_templates.rendered("graphnav.studies.ablation.report.html", template, **values)
+    return rendered_of("graphnav.studies.ablation.report.html", template, **values)
 
 
 MINUS = "\N{MINUS SIGN}"

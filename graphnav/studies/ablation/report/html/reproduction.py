@@ -7,7 +7,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from graphnav.core.errors import Problem, UserError
+from graphnav import Problem, UserError
 from graphnav.core.graph import graph_of
 from graphnav.core.render import svg_of
 from graphnav.studies.ablation.plan import Case

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from graphnav.core.errors import DrawingError, GraphnavError
+from graphnav import GraphnavError, Recording
+from graphnav.core.errors import DrawingError
 from graphnav.core.pictures import DRAWING_FAMILY, drawing
-from graphnav.core.record import Recording
 from graphnav.core.run_folder import LOG
 from graphnav.core.runner import Outcome
 from graphnav.studies.ablation.report.html.rendering import counted, embedded_picture, rendered

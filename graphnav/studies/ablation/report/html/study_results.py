@@ -9,8 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
+from graphnav import Graph
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import Graph
 from graphnav.core.stage import Better
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.results import Comparison, Estimate, Record, Row, Values, table_metrics, values_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from graphnav.core.stage import Role
+from graphnav import Role
 from graphnav.studies.ablation.report.html.forest_plot import NO_COMMON_WORLD, missing_reason
 from graphnav.studies.ablation.report.html.rendering import counted, estimate_text, estimated, means_text, rendered
 from graphnav.studies.ablation.report.html.study_results import StudyResults, Verdict, verdict_of

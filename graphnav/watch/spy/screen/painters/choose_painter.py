@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-from graphnav.core.machine.terminal_graphics import CellSize, TerminalGraphics, cell_size_px, query_terminal
+from graphnav.core.machine import CellSize, TerminalGraphics, cell_size_px, query_terminal
 from graphnav.watch.spy.screen.painters.block_painter import BlockPainter
 from graphnav.watch.spy.screen.painters.kitty_painter import KittyPainter
 from graphnav.watch.spy.screen.painters.painter import Painter

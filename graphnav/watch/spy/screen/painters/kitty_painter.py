@@ -10,7 +10,7 @@ from collections.abc import Callable
 from textual.strip import Strip
 
 from graphnav.arrays import Bytes
-from graphnav.core.machine.terminal_graphics import CellSize
+from graphnav.core.machine import CellSize
 from graphnav.watch.spy.graphics.kitty import delete, put
 from graphnav.watch.spy.screen.painters.painter import Cells, centred
 from graphnav.watch.spy.screen.painters.raw_strips import raw_strips

@@ -6,11 +6,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from graphnav.core.errors import GraphnavError, UserError, shown_path
-from graphnav.core.graph import Graph
-from graphnav.core.runner import Outcome
-from graphnav.core.runner.recording.run_recorded import LiveSink, run_recorded
-from graphnav.core.stage import Stage
+from graphnav import Graph, GraphnavError, Stage, UserError, shown_path
+from graphnav.core.runner import LiveSink, Outcome, run_recorded
 from graphnav.develop.parameters import Clock
 from graphnav.develop.profiling.calibrate import reading_us
 from graphnav.develop.profiling.evaluate import profile_of

@@ -1,0 +1,81 @@
+# What the rest of graphnav takes of this folder, each imported on first use.
+
+from .durations import Durations
+from .engine import Decode, Encode, Engine, Fire, Outcome, Sink, Spans, seed_of
+from .firing import FIRED, Taken, Used, encoded_firing
+from .join import MAX_UNMATCHED, MatchedSet
+from .live_inbox import MAX_GATHERED, LiveInbox
+from .lockstep import Lockstep, command_channels, fire, fire_complete
+from .lockstep_inbox import LockstepInbox
+from .recording.failures import Failures
+from .recording.kept_messages import ChannelsExcept, complete_channels, kept, open_log, reproducible_channels
+from .recording.live_about import live_about
+from .recording.log_forecast import size_text
+from .recording.progress_file import is_running, last_call
+from .recording.recorded_run import Measured, RecordedRun
+from .recording.run_recorded import LiveSink, about_of, new_run_id, run_recorded
+from .recording.saved_graph import copies_of, save_graph
+from .recording.stall import StallLimit
+from .recording.summary import INSTRUCTION_SET, SUMMARY, Summary, scores_of, versions
+from .stage_calls import StageCalls
+from .status import STATUS, Rates, memory_mb, stage_statuses
+from .timer import Timer, every
+from .unit import Publish, Unit
+
+__all__ = [
+    "FIRED",
+    "INSTRUCTION_SET",
+    "MAX_GATHERED",
+    "MAX_UNMATCHED",
+    "STATUS",
+    "SUMMARY",
+    "ChannelsExcept",
+    "Decode",
+    "Durations",
+    "Encode",
+    "Engine",
+    "Failures",
+    "Fire",
+    "LiveInbox",
+    "LiveSink",
+    "Lockstep",
+    "LockstepInbox",
+    "MatchedSet",
+    "Measured",
+    "Outcome",
+    "Publish",
+    "Rates",
+    "RecordedRun",
+    "Sink",
+    "Spans",
+    "StageCalls",
+    "StallLimit",
+    "Summary",
+    "Taken",
+    "Timer",
+    "Unit",
+    "Used",
+    "about_of",
+    "command_channels",
+    "complete_channels",
+    "copies_of",
+    "encoded_firing",
+    "every",
+    "fire",
+    "fire_complete",
+    "is_running",
+    "kept",
+    "last_call",
+    "live_about",
+    "memory_mb",
+    "new_run_id",
+    "open_log",
+    "reproducible_channels",
+    "run_recorded",
+    "save_graph",
+    "scores_of",
+    "seed_of",
+    "size_text",
+    "stage_statuses",
+    "versions",
+]

@@ -1,0 +1,20 @@
+# What the rest of graphnav takes of this folder, each imported on first use.
+
+from .definitions import definition_files, definition_text
+from .describe import describe_type, nested_types, summary_of_type
+from .jar import types_jar
+from .java import write_java
+from .lcm_files import file_of_lcm
+from .load_types import load_types
+
+__all__ = [
+    "definition_files",
+    "definition_text",
+    "describe_type",
+    "file_of_lcm",
+    "load_types",
+    "nested_types",
+    "summary_of_type",
+    "types_jar",
+    "write_java",
+]
