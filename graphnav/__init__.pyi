@@ -27,6 +27,12 @@ from .core.api.logs.log import (
 )
 from .core.api.run import run as run
 from .core.continuity import Continuity as Continuity
+from .core.drawing import (
+    PictureContext as PictureContext,
+)
+from .core.drawing import (
+    VideoFrames as VideoFrames,
+)
 from .core.errors import (
     DeclarationError as DeclarationError,
 )
@@ -137,12 +143,6 @@ from .core.messages import (
     Twist as Twist,
 )
 from .core.mount import Mount as Mount
-from .core.pictures import (
-    PictureContext as PictureContext,
-)
-from .core.pictures import (
-    VideoFrames as VideoFrames,
-)
 from .core.record import Recording as Recording
 from .core.spec import (
     FileFormat as FileFormat,

@@ -13,8 +13,8 @@ from graphnav.core.adapter import Adapter
 from graphnav.core.stage import Stage
 
 if TYPE_CHECKING:
+    from graphnav.core.drawing import PictureContext, VideoFrames
     from graphnav.core.messages import Message
-    from graphnav.core.pictures import PictureContext, VideoFrames
     from graphnav.core.record import Recording
     from graphnav.core.spec import FileFormat
 

@@ -1,14 +1,14 @@
-"""The context of a picture of one message: its maximum size, and other messages of the same time."""
+"""The arguments and results of hooks that draw: the context of a picture of one message, and the frames of a video."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from graphnav.arrays import Doubles
+from graphnav.arrays import Bytes, Doubles
 from graphnav.core.messages import Message
 
 M = TypeVar("M", bound=Message)
@@ -47,3 +47,14 @@ class PictureContext:
     path_m: Callable[[], Doubles] = no_path
     with_legend: bool = True
     with_colour: bool = True
+
+
+class VideoFrames(NamedTuple):
+    """``n_frames`` frames at ``rate_hz``: the timestamp (microseconds) of each, and uint8 (rows, cols, 3) RGB.
+
+    All frames have the same shape, with even numbers of rows and columns.
+    """
+
+    rate_hz: float
+    n_frames: int
+    frames: Iterator[tuple[int, Bytes]]

@@ -10,10 +10,10 @@ import numpy as np
 
 from graphnav.arrays import Bytes
 from graphnav.core.catalog import Catalog
+from graphnav.core.drawing import PictureContext
 from graphnav.core.errors import DrawingError, GraphnavError, one_line, raised_line
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message
-from graphnav.core.pictures.context import PictureContext
 
 DRAWING_FAMILY = "view"
 _REFUSED = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO}
