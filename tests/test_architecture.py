@@ -28,7 +28,7 @@ BREAKS = {
     "rooms-exhaustive": ("graphnav/stray.py", "", "Rooms use the core and do not know each other"),
     "core": ("graphnav/core/runner/unit.py", "import cv2", "The core knows no algorithm and no plugin"),
     "core-plugin": (
-        "graphnav/core/report/table.py",
+        "graphnav/core/report/summary_text.py",
         "import graphnav_plane",
         "The core knows no algorithm and no plugin",
     ),

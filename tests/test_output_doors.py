@@ -18,7 +18,7 @@ DOORS = {
     "graphnav/core/machine/console.py": "the console that escapes",
     "graphnav/core/machine/escaped_streams.py": "the streams that escape",
     "graphnav/core/notices.py": "escapes what it prints",
-    "graphnav/core/render/html_templates.py": "escapes what templates show",
+    "graphnav/core/html_templates.py": "escapes what templates show",
     "graphnav/studies/ablation/worker/__main__.py": "prints tracebacks to the streams that escape",
     "graphnav/core/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
     "graphnav/core/machine/leftover_threads.py": "runs after the commands, and escapes the names of threads",

@@ -14,8 +14,8 @@ from jinja2.nodes import Filter, ScopedEvalContextModifier
 from markupsafe import Markup
 
 import graphnav
+from graphnav.core import html_templates
 from graphnav.core.errors import printable
-from graphnav.core.render import html_templates
 
 CORE = Path(graphnav.__file__).parent
 TEMPLATES = sorted(path for path in CORE.rglob("templates/*") if path.suffix in {".html", ".svg"})
@@ -58,4 +58,4 @@ def test_only_the_engine_makes_markup() -> None:
         if isinstance(node.func, ast.Name) and node.func.id == "Markup"
         if not (len(node.args) == 1 and isinstance(node.args[0], ast.Constant))
     }
-    assert makers == {"core/render/html_templates.py"}
+    assert makers == {"core/html_templates.py"}

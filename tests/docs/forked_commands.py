@@ -25,7 +25,7 @@ MODULES = (
     "graphnav.core.cli.run",
     "graphnav.core.pictures",
     "graphnav.core.report.pictures",
-    "graphnav.core.report.table",
+    "graphnav.core.report.summary_text",
     "graphnav.studies.commands.ablate",
     "graphnav.live.run",
     "matplotlib.figure",

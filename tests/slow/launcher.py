@@ -25,7 +25,7 @@ MODULES = (
     "graphnav.core.cli.run",
     "graphnav.live",
     "graphnav.core.report.pictures",
-    "graphnav.core.report.table",
+    "graphnav.core.report.summary_text",
     "rich.console",
     "lcm",
 )

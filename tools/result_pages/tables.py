@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from graphnav.core.errors import UserError
+from graphnav.core.tables import markdown_table, plain_table
 from result_pages.expression import MissingError, evaluate
 from result_pages.shipped_results import ShippedResults
 
@@ -83,12 +84,11 @@ class _Table:
             raise ValueError("the study has no conditions")
         if len(titles) != len(columns):
             raise ValueError(f"'as' has {len(titles)} titles for {len(columns)} columns: {', '.join(columns)}")
-        lines = [["", *titles], ["---"] * (len(columns) + 1)]
-        lines += [
+        rows = [
             [variant, *(self._cell(results, {"variant": variant, **of}) for of in columns.values())]
             for variant in results.variants
         ]
-        return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+        return markdown_table(plain_table(("", *titles), rows))
 
     def _columns(self, results: ShippedResults) -> Iterator[tuple[str, Mapping[str, str]]]:
         """Yield the title of each column and what is put in for the words of the expression."""

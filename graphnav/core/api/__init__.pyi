@@ -13,7 +13,6 @@ from .arguments import (
     yaml_value,
 )
 from .blas_threads import one_thread
-from .extras import import_pandas
 from .load import add_plugins, loaded, with_run_options
 from .notices import tell
 from .parameters import FOLDER, GRAPH, LIVE, LIVE_URL, LOADED, OF_RUN, PLUGINS, SEED, SET, TAP, TRUST, UNTIL_S, TapMode
@@ -39,7 +38,6 @@ __all__ = [
     "check_choice",
     "check_integer",
     "check_text",
-    "import_pandas",
     "loaded",
     "named_folder",
     "new_folder",

@@ -85,7 +85,7 @@ class Run:
 
     def __str__(self) -> str:
         from graphnav.core.machine.console import Console
-        from graphnav.core.report.table import print_summary
+        from graphnav.core.report.summary_text import print_summary
 
         text = io.StringIO()
         console = Console(file=text, highlight=False, soft_wrap=True, force_jupyter=False)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from graphnav.core.render.html_templates import rendered
+from graphnav.core.html_templates import rendered
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.stage import Metric
 

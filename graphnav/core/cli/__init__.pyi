@@ -33,7 +33,6 @@ from .progress import progress_bar
 from .quantities import MAX_FACTOR, channel_name, counted, log_time, period, port_number, positive, size, split
 from .status import FAILED, INTERRUPTED, OK
 from .status_line import StatusLine, rewrite_line
-from .tables import TextTable, print_table
 from .trust import trust_of
 from .type_names import listed_types, short_type, type_called
 
@@ -60,7 +59,6 @@ __all__ = [
     "VERBOSE",
     "FailureReport",
     "StatusLine",
-    "TextTable",
     "catalog_of",
     "channel_and_feed",
     "channel_name",
@@ -81,7 +79,6 @@ __all__ = [
     "period",
     "port_number",
     "positive",
-    "print_table",
     "progress_bar",
     "rewrite_line",
     "short_type",

@@ -14,8 +14,8 @@ from graphnav.core.errors import Place, Problem, UserError
 from graphnav.core.parameters import command, flag
 
 if TYPE_CHECKING:
-    from graphnav.core.cli.tables import TextTable
     from graphnav.core.graph import Channel, Graph, Node
+    from graphnav.core.tables import Table
 
 
 @command(
@@ -66,7 +66,9 @@ def _print(graph: Graph, args: argparse.Namespace) -> int:
     for notice in notices_of(graph, verbose=args.verbose):
         console.print(notice, markup=False)
     if len(args.graph) == 1:
-        console.print(_table(graph))
+        from graphnav.core.tables import folded
+
+        console.print(folded(_table(graph)))
     if graph.is_live:
         console.print(f"it runs live: {_outside(graph)}", markup=False)
     parts = [
@@ -95,21 +97,21 @@ def _outside(graph: Graph) -> str:
     return ", ".join(f"{verb} {', '.join(names)}" for verb, names in parts if names)
 
 
-def _table(graph: Graph) -> TextTable:
-    from graphnav.core.cli.tables import TextTable
+def _table(graph: Graph) -> Table:
     from graphnav.core.cli.type_names import short_type
+    from graphnav.core.tables import plain_table
 
-    table = TextTable("stage", "uses", "reads", "writes")
+    rows = []
     for given in graph.inputs.values():
         kind, where = ("log", f"{given.log.name}: {given.name}") if given.log else ("input", given.name)
-        table.add_text(given.channel.stage, kind, f"{where}: {short_type(given.type_name)}", _message(given.channel))
+        rows.append((given.channel.stage, kind, f"{where}: {short_type(given.type_name)}", _message(given.channel)))
     for node in (*graph.sources, *graph.order):
         reads = [f"{i.channel.ref}{f' ({i.port.reading})' if i.port.reading else ''}" for i in node.inputs if i.channel]
-        table.add_text(node.name, node.use, "\n".join(reads), "\n".join(_writes(node)))
+        rows.append((node.name, node.use, "\n".join(reads), "\n".join(_writes(node))))
     for output in graph.outputs.values():
         kind = "motor output" if output.motor else "output"
-        table.add_text("", kind, output.channel.ref, f"{output.name}: {short_type(output.type_name)}")
-    return table
+        rows.append(("", kind, output.channel.ref, f"{output.name}: {short_type(output.type_name)}"))
+    return plain_table(("stage", "uses", "reads", "writes"), rows)
 
 
 def _writes(node: Node) -> list[str]:

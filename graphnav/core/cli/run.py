@@ -69,7 +69,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.lcm_url import tap_url
     from graphnav.core.machine.console import Console
     from graphnav.core.report.folder import make_run_folder, removed_if_empty
-    from graphnav.core.report.table import print_summary
+    from graphnav.core.report.summary_text import print_summary
     from graphnav.core.runner.recording.full_log import FullLog
     from graphnav.core.runner.recording.run_recorded import new_run_id
     from graphnav.core.runner.recording.summary import SUMMARY

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from graphnav.core.api.parameters import PLUGINS
@@ -16,9 +16,9 @@ from graphnav.core.parameters import Parameter, command
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
-    from graphnav.core.cli.tables import TextTable
     from graphnav.core.machine.console import Console
     from graphnav.core.messages import Message
+    from graphnav.core.tables import Table
 
 
 _MIN_COLS_OF_PORTS = 110
@@ -57,7 +57,9 @@ def main(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps([describe(use, catalog.stage(use), catalog.origin(use)) for use in uses], indent=2))
     else:
-        console.print(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS))
+        from graphnav.core.tables import folded
+
+        console.print(folded(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS)))
         console.print("details: graphnav stages NAME", markup=False)
     return OK
 
@@ -91,8 +93,8 @@ def _message_called(name: str, catalog: Catalog) -> type[Message]:
 
 def _print_ports(args: argparse.Namespace, console: Console, catalog: Catalog, message: type[Message]) -> None:
     """Print the stages that write a message type, then those that read it."""
-    from graphnav.core.cli.tables import TextTable
     from graphnav.core.stage import summary_of
+    from graphnav.core.tables import folded, plain_table
 
     ports = sorted(catalog.ports(message), key=lambda found: not found[2])
     if args.json:
@@ -102,10 +104,11 @@ def _print_ports(args: argparse.Namespace, console: Console, catalog: Catalog, m
             listed[sides[is_output]].append({"stage": use, "port": port.name, "reading": port.reading})
         print(json.dumps(listed, indent=2))
         return
-    table = TextTable(message.__name__, "stage", "port", "description")
+    rows = []
     for use, port, is_output in ports:
         how = f"{port.name}{f' ({port.reading})' if port.reading else ''}"
-        table.add_text("written by" if is_output else "read by", use, how, summary_of(catalog.stage(use)))
+        rows.append(("written by" if is_output else "read by", use, how, summary_of(catalog.stage(use))))
+    table = folded(plain_table((message.__name__, "stage", "port", "description"), rows))
     console.print(table if ports else f"no installed stage writes or reads {message.__name__}", markup=False)
     console.print(f"fields: graphnav types {message.__name__}", markup=False)
 
@@ -125,22 +128,22 @@ def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list
     return uses
 
 
-def _all(catalog: Catalog, uses: list[str], *, with_ports: bool) -> TextTable:
-    from graphnav.core.cli.tables import TextTable
+def _all(catalog: Catalog, uses: list[str], *, with_ports: bool) -> Table:
     from graphnav.core.stage import ports_of, summary_of
+    from graphnav.core.tables import plain_table
 
-    table = TextTable("stage", *(("reads", "writes") if with_ports else ()), "description")
+    rows = []
     for use in uses:
         cls = catalog.stage(use)
         ports = ports_of(cls)
         reads = ", ".join(f"{p.name}{f' ({p.reading})' if p.reading else ''}" for p in ports.inputs)
         writes = ", ".join(p.name for p in ports.outputs)
-        table.add_text(use, *((reads, writes) if with_ports else ()), summary_of(cls))
-    return table
+        rows.append((use, *((reads, writes) if with_ports else ()), summary_of(cls)))
+    return plain_table(("stage", *(("reads", "writes") if with_ports else ()), "description"), rows)
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
-    from graphnav.core.cli.tables import TextTable
+    from graphnav.core.tables import folded
 
     console.print(
         f"{described['name']}, a {described['kind']} of {described['origin']}",
@@ -150,32 +153,33 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     )
     console.print()
     console.print(_flowing(described["doc"]), markup=False)
-    ports = TextTable("port", "type", "")
-    for port in described["inputs"]:
-        ports.add_text(port["name"], port["type"], f"input, {_reading(port)}")
-    for port in described["outputs"]:
-        ports.add_text(port["name"], port["type"], "output")
-    if ports.row_count:
-        console.print()
-        console.print(ports)
-    params = TextTable("parameter", "type", "default", "meaning")
-    for param in described["parameters"]:
-        kind = param["type"] + (f", {param['bounds']}" if param["bounds"] else "")
-        kind += f", {param['unit']}" if param["unit"] else ""
-        params.add_text(param["name"], kind, _default(param), param["doc"])
-    if params.row_count:
-        console.print()
-        console.print(params)
-    metrics = TextTable("metric", "unit", "better", "if failed", "matters from", "what it means")
-    for metric in described["metrics"]:
-        told = (_if_failed(metric), _min_difference(metric), metric["doc"])
-        metrics.add_text(metric["name"], metric["unit"], metric["better"], *told)
-    if metrics.row_count:
-        console.print()
-        console.print(metrics)
+    for table in _tables(described):
+        if table.rows:
+            console.print()
+            console.print(folded(table))
     console.print()
     console.print("In a graph:")
     console.print(_snippet(described), markup=False, soft_wrap=True)
+
+
+def _tables(described: dict[str, Any]) -> Iterator[Table]:
+    """Yield the ports, the parameters and the metrics of a stage."""
+    from graphnav.core.tables import plain_table
+
+    ports = [(port["name"], port["type"], f"input, {_reading(port)}") for port in described["inputs"]]
+    ports += [(port["name"], port["type"], "output") for port in described["outputs"]]
+    yield plain_table(("port", "type", ""), ports)
+    params = []
+    for param in described["parameters"]:
+        kind = param["type"] + (f", {param['bounds']}" if param["bounds"] else "")
+        kind += f", {param['unit']}" if param["unit"] else ""
+        params.append((param["name"], kind, _default(param), param["doc"]))
+    yield plain_table(("parameter", "type", "default", "meaning"), params)
+    metrics = [
+        (one["name"], one["unit"], one["better"], _if_failed(one), _min_difference(one), one["doc"])
+        for one in described["metrics"]
+    ]
+    yield plain_table(("metric", "unit", "better", "if failed", "matters from", "what it means"), metrics)
 
 
 def _reading(port: Mapping[str, Any]) -> str:

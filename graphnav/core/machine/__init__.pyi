@@ -3,7 +3,7 @@
 from .atomic_write import path_aside, write_atomically
 from .console import Console
 from .escaped_streams import escaped_output
-from .extras import install_command, requirements_of
+from .extras import import_pandas, install_command, requirements_of
 from .instruction_set import PORTABLE, expected_instruction_set, used_instruction_set
 from .jdk import find_jdk, install_jdk, require_jdk
 from .leftover_threads import end_despite_threads
@@ -19,7 +19,6 @@ from .receive_buffer import (
 )
 from .regular_file import is_own, read_json
 from .single_thread import ONE_THREAD
-from .table_width import fitted_tables
 from .terminal_graphics import CellSize, TerminalGraphics, cell_size_px, query_terminal
 from .user_folders import user_folder
 
@@ -38,7 +37,7 @@ __all__ = [
     "escaped_output",
     "expected_instruction_set",
     "find_jdk",
-    "fitted_tables",
+    "import_pandas",
     "install_command",
     "install_jdk",
     "is_own",

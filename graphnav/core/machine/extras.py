@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import shlex
 from importlib.metadata import requires
+from typing import Any
 
 from packaging.requirements import Requirement
+
+from graphnav.core.errors import UserError
 
 
 def requirements_of(extra: str) -> list[Requirement]:
@@ -17,3 +20,18 @@ def requirements_of(extra: str) -> list[Requirement]:
 def install_command(extra: str) -> str:
     """Return the shell command that installs the packages of an extra, however graphnav was installed."""
     return f"pip install {shlex.join(f'{one.name}{one.specifier}' for one in requirements_of(extra))}"
+
+
+def import_pandas(who: str) -> Any:
+    """Return pandas, for ``who``.
+
+    Raises
+    ------
+    UserError
+        It is not installed.
+    """
+    try:
+        import pandas  # noqa: ICN001 - an extra
+    except ImportError as error:
+        raise UserError.of(f"{who} needs pandas", install_command("pandas")) from error
+    return pandas

@@ -3,7 +3,6 @@
 from .boxes import Box, InPort, Kind, OutPort
 from .dot import dot_of
 from .geometry import PlacedBox, PlacedWire, Sizes, geometry_of
-from .html_templates import rendered
 from .mermaid import mermaid_of
 from .svg import svg_of
 from .text import text_of
@@ -19,7 +18,6 @@ __all__ = [
     "dot_of",
     "geometry_of",
     "mermaid_of",
-    "rendered",
     "svg_of",
     "text_of",
 ]

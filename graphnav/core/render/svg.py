@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from markupsafe import Markup
 
 from graphnav.core.graph import Graph
+from graphnav.core.html_templates import rendered
 from graphnav.core.render.boxes import boxes_of
 from graphnav.core.render.geometry import HEAD, geometry_of
-from graphnav.core.render.html_templates import rendered
 
 
 def svg_of(graph: Graph, notes: Mapping[str, str] | None = None) -> Markup:

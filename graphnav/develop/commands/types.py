@@ -11,8 +11,8 @@ from graphnav.core.cli import JSON, OK, TYPES, catalog_of, load_types_of
 from graphnav.core.parameters import OneOf, Parameter, command, flag
 
 if TYPE_CHECKING:
-    from graphnav.core.cli import TextTable
     from graphnav.core.machine import Console
+    from graphnav.core.tables import Table
 
 _EXAMPLES = """\
 examples:
@@ -62,38 +62,40 @@ def main(args: argparse.Namespace) -> int:
     elif args.name:
         _print_one(console, describe_type(found[args.name]))
     else:
-        console.print(_all(found))
+        from graphnav.core.tables import folded
+
+        console.print(folded(_all(found)))
         console.print("'graphnav types NAME' describes one.", markup=False)
     return OK
 
 
-def _all(found: dict[str, type]) -> TextTable:
-    from graphnav.core.cli import TextTable
+def _all(found: dict[str, type]) -> Table:
     from graphnav.core.codec import message_class_of
+    from graphnav.core.tables import plain_table
     from graphnav.core.typeinfo import summary_of_type
 
-    table = TextTable("message", "LCM type", "description")
+    rows = []
     for name, lcm_class in found.items():
         message = message_class_of(lcm_class)
-        table.add_text(message.__name__ if message else "", name, summary_of_type(lcm_class))
-    return table
+        rows.append((message.__name__ if message else "", name, summary_of_type(lcm_class)))
+    return plain_table(("message", "LCM type", "description"), rows)
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
-    from graphnav.core.cli import TextTable
+    from graphnav.core.tables import folded, plain_table
 
     title = f"{described['message']}, {described['type']}" if described["message"] else described["type"]
     console.print(f"{title}, fingerprint {described['fingerprint']}", style="bold", markup=False)
     if described["doc"]:
         console.print()
         console.print(described["doc"], markup=False)
-    table = TextTable("field", "type", "unit", "description")
+    rows = []
     for field in described["fields"]:
         dims = "".join(f"[{dim}]" for dim in field["dims"])
         kind = field["type"].removeprefix(f"{described['type'].rpartition('.')[0]}.")
-        table.add_text(field["name"], kind + dims, field["unit"], field["doc"])
+        rows.append((field["name"], kind + dims, field["unit"], field["doc"]))
     console.print()
-    console.print(table)
+    console.print(folded(plain_table(("field", "type", "unit", "description"), rows)))
     for name, value in described["constants"].items():
         console.print(f"{name} = {value}", markup=False)
     for name in described["nested"]:

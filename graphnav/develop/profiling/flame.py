@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from graphnav.core.errors import printable
-from graphnav.core.render import rendered
+from graphnav.core.html_templates import rendered
 from graphnav.develop.profiling.text import CLOCKS
 
 if TYPE_CHECKING:

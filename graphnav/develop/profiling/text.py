@@ -6,11 +6,10 @@ import io
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rich import box
-from rich.table import Table
 from rich.text import Text
 
-from graphnav.core.machine import Console, fitted_tables
+from graphnav.core.machine import Console
+from graphnav.core.tables import Table, plain_table, print_table
 
 if TYPE_CHECKING:
     from graphnav.develop.parameters import Clock
@@ -34,9 +33,8 @@ def print_profile(console: Console, profile: Profile, *, slowest_first: bool = F
     """Print what was measured, stages, channels and the sum; rows are in the graph's order, or the slowest first."""
     console.print(_amount(profile))
     for table in (_stages(profile, slowest_first), _channels(profile, slowest_first), _sum(profile)):
-        if table.row_count:
-            for block in fitted_tables(console, table):
-                console.print(block, soft_wrap=True)
+        if table.rows:
+            print_table(console, table)
     for line in _notes(profile):
         console.print(line)
 
@@ -62,20 +60,11 @@ def _amount(profile: Profile) -> Text:
     return text
 
 
-def _table(first: str, *numbers: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column(first, no_wrap=True)
-    for number in numbers:
-        table.add_column(number, justify="left" if number in {"use", ""} else "right", no_wrap=True)
-    return table
-
-
 def _stages(profile: Profile, slowest_first: bool) -> Table:  # noqa: FBT001
-    table = _table("stage", "use", "steps", "ms a tick", "share", "step p50 ms", "p99 ms", "beyond the step µs")
+    numbers = ("steps", "ms a tick", "share", "step p50 ms", "p99 ms", "beyond the step µs")
     stages = sorted(profile.stages, key=lambda stage: -stage.ms) if slowest_first else profile.stages
-    for stage in stages:
-        table.add_row(Text(stage.name), Text(stage.use), *_stage_cells(stage))
-    return table
+    rows = [(stage.name, stage.use, *_stage_cells(stage)) for stage in stages]
+    return plain_table(("stage", "use", *numbers), rows, right=numbers)
 
 
 def _stage_cells(stage: StageTime) -> Iterator[str]:
@@ -86,11 +75,10 @@ def _stage_cells(stage: StageTime) -> Iterator[str]:
 def _channels(profile: Profile, slowest_first: bool) -> Table:  # noqa: FBT001
     has_tap = bool(profile.parts["tap"])
     times = ("encode µs", "deliver µs", "decode µs", "decodes", "log µs", *(["tap µs"] if has_tap else []), "sum µs")
-    table = _table("channel", "messages a tick", "bytes", *times)
+    numbers = ("messages a tick", "bytes", *times)
     channels = sorted(profile.channels, key=lambda one: -one.total_us) if slowest_first else profile.channels
-    for channel in channels:
-        table.add_row(Text(channel.name), *_channel_cells(channel, has_tap))
-    return table
+    rows = [(channel.name, *_channel_cells(channel, has_tap)) for channel in channels]
+    return plain_table(("channel", *numbers), rows, right=numbers)
 
 
 def _channel_cells(channel: ChannelTime, has_tap: bool) -> Iterator[str]:  # noqa: FBT001
@@ -103,22 +91,16 @@ def _channel_cells(channel: ChannelTime, has_tap: bool) -> Iterator[str]:  # noq
 
 
 def _sum(profile: Profile) -> Table:
-    table = _table("part", "ms a tick", "share", "ticks/s", "")
-    rows = {part: ms for part, ms in profile.parts.items() if part != "step" and (ms or part == "runner")}
-    last = next(reversed(rows))
+    parts = {part: ms for part, ms in profile.parts.items() if part != "step" and (ms or part == "runner")}
     ideal_ms = profile.ideal_ms
     rate = f"{1e3 / ideal_ms:.0f}" if ideal_ms else ""
-    table.add_row("steps", f"{ideal_ms:.3f}", _share(ideal_ms, profile), rate, "the ideal: only the steps")
-    for part, ms in rows.items():
-        table.add_row(part, f"{ms:.3f}", _share(ms, profile), "", _PARTS[part], end_section=part == last)
-    table.add_row(
-        "tick",
-        f"{profile.tick_ms:.3f}",
-        _share(profile.tick_ms, profile),
-        f"{profile.ticks_per_s:.0f}",
-        f"p50 {profile.tick_p50_ms:.3f} ms, p99 {profile.tick_p99_ms:.3f} ms",
-    )
-    return table
+    quantiles = f"p50 {profile.tick_p50_ms:.3f} ms, p99 {profile.tick_p99_ms:.3f} ms"
+    rows = [("steps", ideal_ms, rate, "the ideal: only the steps")]
+    rows += [(part, ms, "", _PARTS[part]) for part, ms in parts.items()]
+    rows.append(("tick", profile.tick_ms, f"{profile.ticks_per_s:.0f}", quantiles))
+    numbers = ("ms a tick", "share", "ticks/s")
+    cells = [(part, f"{ms:.3f}", _share(ms, profile), rate, said) for part, ms, rate, said in rows]
+    return plain_table(("part", *numbers, ""), cells, right=numbers, n_sums=1)
 
 
 def _share(ms: float, profile: Profile) -> str:

@@ -7,12 +7,11 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rich import box
 from rich.console import Group
-from rich.table import Table
 from rich.text import Text
 
-from graphnav.core.machine import Console, fitted_tables
+from graphnav.core.machine import Console
+from graphnav.core.tables import Cell, Table, fitted, plain_table
 from graphnav.replay.comparison.result import ChannelResult, FirstDifference, ReplayResult, Reproduced
 
 _MAX_CHARS = 40
@@ -29,7 +28,7 @@ def as_text(result: ReplayResult, console: Console) -> Group:
     changed = dict(_changed_metrics(result))
     if changed:
         tables.append(_metrics(changed))
-    blocks = [block for table in tables for block in fitted_tables(console, table)]
+    blocks = [block for table in tables for block in fitted(console, table)]
     lines = []
     n_equal = sum(map(len, result.scores.values())) - sum(map(len, changed.values()))
     if n_equal:
@@ -86,9 +85,8 @@ def _verdict(result: ReplayResult) -> Text:
 
 def _channels(channels: Mapping[str, ChannelResult]) -> Table:
     has_unrecorded = any(channel.n_not_recorded for channel in channels.values())
-    table = _table("channel", "first at")
-    for heading in ("differ", "max abs", "missing", "extra", *(["not logged"] if has_unrecorded else [])):
-        table.add_column(heading, justify="right")
+    numbers = ("differ", "max abs", "missing", "extra", *(["not logged"] if has_unrecorded else []))
+    rows = []
     for name, channel in channels.items():
         cells = [
             name,
@@ -99,17 +97,15 @@ def _channels(channels: Mapping[str, ChannelResult]) -> Table:
             str(channel.n_extra),
             *([str(channel.n_not_recorded)] if has_unrecorded else []),
         ]
-        table.add_row(*map(Text, cells), style="" if channel.is_equal else "red")
-    return table
+        rows.append([Cell(text, "" if channel.is_equal else "bad") for text in cells])
+    return plain_table(("channel", "first at", *numbers), rows, right=numbers)
 
 
 def _fields(channels: Mapping[str, ChannelResult]) -> Table:
-    table = _table("field", "first at", "recorded", "replayed")
-    for heading in ("differ", "max abs"):
-        table.add_column(heading, justify="right")
+    rows: list[Sequence[object]] = []
     for name, channel in channels.items():
         if channel.fields:
-            table.add_row(Text(name, "bold"))
+            rows.append([Cell(name, "strong"), *[""] * 5])
         for path, found in channel.fields.items():
             first = found.first
             cells = [
@@ -120,8 +116,9 @@ def _fields(channels: Mapping[str, ChannelResult]) -> Table:
                 str(found.n_messages),
                 _gap(found.max_gap),
             ]
-            table.add_row(*map(Text, cells))
-    return table
+            rows.append(cells)
+    numbers = ("differ", "max abs")
+    return plain_table(("field", "first at", "recorded", "replayed", *numbers), rows, right=numbers)
 
 
 def _changed_metrics(result: ReplayResult) -> Iterator[tuple[str, dict[str, tuple[float | None, float]]]]:
@@ -140,21 +137,12 @@ def _is_same(recorded: float | None, replayed: float) -> bool:
 
 
 def _metrics(changed: Mapping[str, Mapping[str, tuple[float | None, float]]]) -> Table:
-    table = _table("stage", "metric")
-    for heading in ("recorded", "replayed"):
-        table.add_column(heading, justify="right")
+    rows = []
     for stage, metrics in changed.items():
         for place, (name, (recorded, replayed)) in enumerate(metrics.items()):
             old = "" if recorded is None else f"{recorded:.6g}"
-            table.add_row(*map(Text, ("" if place else stage, name, old, f"{replayed:.6g}")))
-    return table
-
-
-def _table(*headings: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in headings:
-        table.add_column(heading, no_wrap=True)
-    return table
+            rows.append(("" if place else stage, name, old, f"{replayed:.6g}"))
+    return plain_table(("stage", "metric", "recorded", "replayed"), rows, right=("recorded", "replayed"))
 
 
 def _said(first: FirstDifference) -> str:

@@ -8,9 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.api import KeptFolder, import_pandas
-from graphnav.core.machine import Console
-from graphnav.core.render import rendered
+from graphnav.core.api import KeptFolder
+from graphnav.core.html_templates import rendered
+from graphnav.core.machine import Console, import_pandas
+from graphnav.core.tables import data_frame
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report import print_comparison, runs_data
 from graphnav.studies.ablation.results import (
@@ -57,7 +58,7 @@ class Study:
 
         The content of ``results.csv``; missing metrics are NaN. Raises UserError without pandas.
         """
-        return runs_data(self.plan, self.records).frame("Study.runs")
+        return data_frame(runs_data(self.plan, self.records), "Study.runs")
 
     @cached_property
     def table(self) -> pd.DataFrame:

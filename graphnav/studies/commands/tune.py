@@ -126,7 +126,7 @@ def _print_search(tuning: Tuning, console: Console) -> None:
 
 
 def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
-    from graphnav.studies.table import print_table
+    from graphnav.core.tables import print_table
     from graphnav.studies.tuning import (
         OPTIMISTIC,
         STUDY,

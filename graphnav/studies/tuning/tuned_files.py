@@ -14,8 +14,8 @@ from graphnav.core.graph import Override, beside, find_graph, has_path, resolve_
 from graphnav.core.machine import read_json
 from graphnav.core.spec import write_value
 from graphnav.core.stage import params_of
+from graphnav.core.tables import Table, csv_text, plain_table
 from graphnav.studies.ablation.report import write_atomically
-from graphnav.studies.table import Data
 from graphnav.studies.tuning.rivals import Rival, graphs_of
 from graphnav.studies.tuning.tuned_table import table_markdown, trials_text, worlds_text
 from graphnav.studies.tuning.tuning import Tuning, overrides_of
@@ -142,7 +142,7 @@ def write_tuning(run: TuningRun, folder: Path) -> None:
     GraphnavError
         A file cannot be written; its old version is kept.
     """
-    trials = _trials(run).csv()
+    trials = csv_text(_trials(run))
     if _n_lines(folder / TRIALS) > trials.count("\n"):
         return
     write_atomically(folder / TRIALS, trials)
@@ -157,7 +157,7 @@ def _n_lines(path: Path) -> int:
         return 0
 
 
-def _trials(run: TuningRun) -> Data:
+def _trials(run: TuningRun) -> Table:
     """Return a row for every trial and world, a column for every parameter and metric."""
     metrics = list(run.tuning.metrics)
     targets = list(dict.fromkeys(one.target for rival in run.tuning.rivals for one in rival.space))
@@ -170,4 +170,4 @@ def _trials(run: TuningRun) -> Data:
                 values = [trial.values[metric].get((graph, seed)) for metric in metrics]
                 failed = trial.failures.get((graph, seed))
                 rows.append([rival.label, trial.number, trial.refused, graph, seed, failed, *values, *shown])
-    return Data(["rival", "trial", "refused", "graph", "seed", "failed", *metrics, *targets], rows)
+    return plain_table(["rival", "trial", "refused", "graph", "seed", "failed", *metrics, *targets], rows)

@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from graphnav.core.spec import write_value
+from graphnav.core.tables import Table, escaped, markdown_table, plain_table
 from graphnav.studies.ablation.report import bullets, code, document
 from graphnav.studies.ablation.study import listed
-from graphnav.studies.table import Table, escaped, markdown_table, text_table
 from graphnav.studies.tuning.rivals import Rival
 from graphnav.studies.tuning.trial import Trial
 from graphnav.studies.tuning.tuning import Tuning
@@ -30,7 +30,7 @@ def tuned_table(run: TuningRun, *, has_params: bool = True) -> Table:
         values = [_mean(run, trial, metric) for metric in run.tuning.metrics for trial in (default, best)]
         params = [params_text(best)] if has_params else []
         rows.append([rival.label, str(len(run.of(rival))), *values, str(best.number), *params])
-    return text_table(header, rows)
+    return plain_table(header, rows)
 
 
 def params_text(trial: Trial) -> str:

@@ -9,7 +9,7 @@ from graphnav.core.parameters import command
 from graphnav.watch.commands import channel_report
 
 if TYPE_CHECKING:
-    from graphnav.core.cli import TextTable
+    from graphnav.core.tables import Table
     from graphnav.watch.spy import ChannelTraffic, Traffic
 
 _KEYS = """\
@@ -41,25 +41,25 @@ def _line(channel: ChannelTraffic) -> str:
     return f"{shown_name(channel.name)}  {rate}, {bounds} max: {size_of(sizes.max_bytes)} window: {sizes.n}"
 
 
-def _table(traffic: Traffic) -> TextTable:
-    from graphnav.core.cli import TextTable
+def _table(traffic: Traffic) -> Table:
     from graphnav.core.errors import shown_name
+    from graphnav.core.tables import plain_table
     from graphnav.watch.spy import size_of
 
-    table = TextTable("channel", "bandwidth", "size min", "mean", "max", "count", "note")
+    rows = list[tuple[str, ...]]()
     total = 0.0
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
         if not channel.count:
-            table.add_text(shown_name(name), "", "", "", "", "0", "not received")
+            rows.append((shown_name(name), "", "", "", "", "0", "not received"))
             continue
         sizes = channel.sizes
         total += channel.bytes_per_s or 0.0
         bounds = map(size_of, (sizes.min_bytes, round(sizes.mean_bytes), sizes.max_bytes))
         note = f"silent {channel.silent_s or 0.0:.1f} s" if channel.is_silent else ""
-        table.add_text(shown_name(name), _rate(channel.bytes_per_s), *bounds, str(channel.count), note)
-    table.add_text("all", _rate(total), "", "", "", "", "")
-    return table
+        rows.append((shown_name(name), _rate(channel.bytes_per_s), *bounds, str(channel.count), note))
+    rows.append(("all", _rate(total), "", "", "", "", ""))
+    return plain_table(("channel", "bandwidth", "size min", "mean", "max", "count", "note"), rows)
 
 
 def _rate(bytes_per_s: float | None) -> str:

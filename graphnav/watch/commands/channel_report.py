@@ -12,7 +12,7 @@ from graphnav.core.cli import CHANNEL, FEED, FOR_S, JSON, OK, TYPES, catalog_of,
 from graphnav.watch.commands.listening import TIMEOUT_S, ReportTimes, Timeout
 
 if TYPE_CHECKING:
-    from graphnav.core.cli import TextTable
+    from graphnav.core.tables import Table
     from graphnav.watch.spy import ChannelTraffic, Feed, Traffic
 
 _JSON_S = 2.5
@@ -39,7 +39,7 @@ def json_keys(keys: str) -> str:
 def report(
     args: argparse.Namespace,
     line: Callable[[ChannelTraffic], str],
-    table: Callable[[Traffic], TextTable],
+    table: Callable[[Traffic], Table],
     as_json: Callable[[ChannelTraffic], dict[str, Any]],
 ) -> int:
     """Run a command that prints a line for one channel, a table of all, or either as JSON.
@@ -47,8 +47,8 @@ def report(
     Raises GraphnavError where nothing was received, or nothing for as long as ``--timeout`` allows, UserError where a
     run is received that has no such channel.
     """
-    from graphnav.core.cli import print_table
     from graphnav.core.notices import print_notice
+    from graphnav.core.tables import print_folded
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.spy import MAX_CHANNELS, Feed, Traffic
 
@@ -73,7 +73,7 @@ def report(
         if args.json or not times.is_due():
             continue
         if name is None and traffic.channels:
-            print_table(table(traffic))
+            print_folded(table(traffic))
         elif name is not None and name in traffic.channels and traffic.channels[name].count:
             print(line(traffic.channels[name]), flush=True)
     if name is not None:
@@ -91,11 +91,11 @@ def _print_end(
     feed: Feed,
     channels: Mapping[str, ChannelTraffic],
     line: Callable[[ChannelTraffic], str],
-    table: TextTable | None,
+    table: Table | None,
     as_json: Callable[[ChannelTraffic], dict[str, Any]],
 ) -> None:
     """Print the last report: of one channel a line, of all a table, either as JSON."""
-    from graphnav.core.cli import print_table
+    from graphnav.core.tables import print_folded
 
     if args.json:
         told = {name: as_json(channels[name]) for name in sorted(channels)}
@@ -103,4 +103,4 @@ def _print_end(
     elif table is None:
         print(*map(line, channels.values()), sep="\n")
     else:
-        print_table(table)
+        print_folded(table)

@@ -9,8 +9,8 @@ from graphnav.core.parameters import command
 from graphnav.watch.commands import channel_report
 
 if TYPE_CHECKING:
-    from graphnav.core.cli import TextTable
     from graphnav.core.record import Periods
+    from graphnav.core.tables import Table
     from graphnav.watch.spy import ChannelTraffic, Traffic
 
 _KEYS = """\
@@ -54,19 +54,20 @@ def _text(periods: Periods | None) -> str:
     return f"{text} window: {periods.n}"
 
 
-def _table(traffic: Traffic) -> TextTable:
+def _table(traffic: Traffic) -> Table:
     """Return a row for each channel; periods are by stamp."""
-    from graphnav.core.cli import TextTable
     from graphnav.core.errors import shown_name
+    from graphnav.core.tables import plain_table
 
-    table = TextTable("channel", "stamp Hz", "arrival", "min ms", "max ms", "std ms", "count", "note")
+    rows = []
     for name in sorted(traffic.channels):
         channel = traffic.channels[name]
         periods, arriving = channel.published, channel.arriving
         steps = (None,) * 3 if periods is None else (periods.min_s, periods.max_s, periods.std_s)
         cells = (_rate(periods), _rate(arriving), *map(_ms, steps), str(channel.count), _note(channel))
-        table.add_text(shown_name(name), *cells)
-    return table
+        rows.append((shown_name(name), *cells))
+    header = ("channel", "stamp Hz", "arrival", "min ms", "max ms", "std ms", "count", "note")
+    return plain_table(header, rows)
 
 
 def _rate(periods: Periods | None) -> str:

@@ -12,8 +12,9 @@ from graphnav.core.parameters import command
 @command(LOG, *TYPES, JSON)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.cli import TextTable, print_table, short_type
+    from graphnav.core.cli import short_type
     from graphnav.core.record import find_log
+    from graphnav.core.tables import plain_table, print_folded
     from graphnav.watch.loginfo import as_json, as_text, survey
     from graphnav.watch.loginfo.info_text import HEADINGS, damage, rows
 
@@ -24,9 +25,7 @@ def main(args: argparse.Namespace) -> int:
         return OK
     print("\n".join(as_text(info)))
     if info.channels:
-        table = TextTable(*HEADINGS)
-        for channel, type_name, *numbers in rows(info):
-            table.add_text(channel, short_type(type_name), *numbers)
-        print_table(table)
+        cells = [(channel, short_type(type_name), *numbers) for channel, type_name, *numbers in rows(info)]
+        print_folded(plain_table(HEADINGS, cells))
     print("\n".join(damage(info)) or "no damage")
     return OK

@@ -29,19 +29,19 @@ def losses(recorder: Recorder) -> Iterator[str]:
 
 def print_recorded(recorder: Recorder, url: str) -> None:
     """Print a table of the channels, the losses and the files."""
-    from graphnav.core.cli import TextTable, print_table
+    from graphnav.core.tables import plain_table, print_folded
 
     statistics = recorder.statistics
     if not statistics.n_messages:
         print(f"no message on {url}")
     else:
-        table = TextTable("channel", "type", "messages", "size", "lost")
+        rows = []
         for name in sorted(statistics.channels)[:_MAX_ROWS]:
             channel = statistics.channels[name]
             kind = channel.kind.name if channel.kind is not None else f"unknown, {channel.fingerprint.hex()}"
             lost = f"{channel.lost:,}" if channel.lost is not None else ""
-            table.add_text(shown_name(name), kind, f"{channel.count:,}", size_text(channel.n_bytes), lost)
-        print_table(table)
+            rows.append((shown_name(name), kind, f"{channel.count:,}", size_text(channel.n_bytes), lost))
+        print_folded(plain_table(("channel", "type", "messages", "size", "lost"), rows))
         if (n_more := len(statistics.channels) - _MAX_ROWS) > 0:
             print(f"and {counted(n_more, 'more channel')}")
         if statistics.others.count:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from graphnav.core.api.extras import import_pandas
 from graphnav.core.api.logs.stack import fields_of_message
+from graphnav.core.machine.extras import import_pandas
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,6 +10,7 @@ from graphnav.core.spec.declared.kinds import is_list, is_mapping, is_range, is_
 from graphnav.core.spec.declared.record import Key, Record, keys_of
 from graphnav.core.spec.write import write_value
 from graphnav.core.stage import unit_of
+from graphnav.core.tables import Cell, markdown_table, plain_table
 
 
 def reference_page(root: type[Record], title: str, doc: str) -> str:
@@ -36,18 +37,19 @@ def _section(cls: type[Record]) -> Iterator[str]:
     if cls.one_of:
         yield f"Exactly one of {_listed([f'`{name}`' for name in cls.one_of])} is given."
     rows = [_row(key, name in cls.one_of) for name, key in keys_of(cls).items()]
-    yield "\n".join(["| key | value | unit | default | meaning |", "|---|---|---|---|---|", *rows])
+    yield markdown_table(plain_table(("key", "value", "unit", "default", "meaning"), rows))
     if cls.example:
         yield f"```yaml\n{inspect.cleandoc(cls.example)}\n```"
 
 
-def _row(key: Key, is_choice: bool) -> str:  # noqa: FBT001 - of a table
+def _row(key: Key, is_choice: bool) -> list[Cell]:  # noqa: FBT001 - of a table
     bounds = key.as_param(float, key.name).bounds_text
     items = "" if not key.min_items else "not empty" if key.min_items == 1 else f"at least {key.min_items} items"
     value = ", ".join(filter(None, (_linked(key.type), bounds, items)))
     default = "" if key.plain_default is None else f"`{write_value(key.plain_default)}`"
     needed = "one of them" if is_choice else "required" if key.required else default
-    return f"| `{key.name}` | {value} | {unit_of(key.name).words} | {needed} | {key.doc} |"
+    cells = (f"`{key.name}`", value, unit_of(key.name).words, needed, key.doc)
+    return [Cell(text, is_markdown=True) for text in cells]
 
 
 def _linked(kind: Any) -> str:

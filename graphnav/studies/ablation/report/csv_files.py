@@ -6,16 +6,16 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from graphnav.core.machine import write_atomically
+from graphnav.core.tables import Table, csv_text, plain_table
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.results import Record, in_plan_order, metric_columns
-from graphnav.studies.table import Data
 
 RESULTS = "results.csv"
 METRICS = "metrics.csv"
 TIMING = "timing.csv"
 
 
-def runs_data(plan: Plan, records: Iterable[Record]) -> Data:
+def runs_data(plan: Plan, records: Iterable[Record]) -> Table:
     """Return a row a run and a column a metric; the same of the same runs, in whatever order they were made.
 
     ``cause`` is the failure without its time: runs that failed alike have the same. Nothing that a wall clock measured
@@ -35,20 +35,20 @@ def runs_data(plan: Plan, records: Iterable[Record]) -> Data:
         ]
         for case, record in _with_cases(plan, ordered)
     ]
-    return Data(["graph", "variant", "role", *plan.axes, *columns, *metrics], rows)
+    return plain_table(["graph", "variant", "role", *plan.axes, *columns, *metrics], rows)
 
 
-def metrics_data(plan: Plan, records: Iterable[Record]) -> Data:
+def metrics_data(plan: Plan, records: Iterable[Record]) -> Table:
     """Return what is declared of each metric in ``results.csv``, a row a column: unit, direction, what counts, help."""
     names = metric_columns(plan, in_plan_order(plan, records))
     rows = [
         [name, m.unit, m.better, m.if_failed, m.is_outcome, m.min_difference, m.help]
         for name, m in zip(names, map(plan.metric, names), strict=True)
     ]
-    return Data(["metric", "unit", "better", "if_failed", "outcome", "min_difference", "help"], rows)
+    return plain_table(["metric", "unit", "better", "if_failed", "outcome", "min_difference", "help"], rows)
 
 
-def timing_data(plan: Plan, records: Iterable[Record]) -> Data:
+def timing_data(plan: Plan, records: Iterable[Record]) -> Table:
     """Return a row for every stage of every run: what it was, how often it stepped, how long that took."""
     rows = [
         [
@@ -66,7 +66,9 @@ def timing_data(plan: Plan, records: Iterable[Record]) -> Data:
         for case, record in _with_cases(plan, in_plan_order(plan, records))
         for stage, time in record.times.items()
     ]
-    return Data(["graph", "variant", *plan.axes, "seed", "wall_s", "stage", "use", "steps", "p50_ms", "p99_ms"], rows)
+    return plain_table(
+        ["graph", "variant", *plan.axes, "seed", "wall_s", "stage", "use", "steps", "p50_ms", "p99_ms"], rows
+    )
 
 
 def write_csv_files(plan: Plan, records: Iterable[Record], folder: Path) -> None:
@@ -79,7 +81,7 @@ def write_csv_files(plan: Plan, records: Iterable[Record], folder: Path) -> None
     """
     found = tuple(records)
     for name, data_of in ((RESULTS, runs_data), (METRICS, metrics_data), (TIMING, timing_data)):
-        write_atomically(folder / name, data_of(plan, found).csv())
+        write_atomically(folder / name, csv_text(data_of(plan, found)))
 
 
 def _with_cases(plan: Plan, records: Iterable[Record]) -> Iterator[tuple[Case, Record]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.core.errors import printable
+from graphnav.core.tables import escaped, markdown_table, markdown_tables
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.decomposition import heading, loss_table, notes, sentences
 from graphnav.studies.ablation.report.legend import (
@@ -26,7 +27,6 @@ from graphnav.studies.ablation.results import (
     PairedStudies,
     shown_metrics,
 )
-from graphnav.studies.table import escaped, markdown_table, markdown_tables
 
 TABLE = "table.md"
 

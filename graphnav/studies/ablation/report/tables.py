@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from graphnav.core.stage import Better
+from graphnav.core.tables import Cell, Column, Table, Tone
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.legend import OWN_FRAMES, marks, outcome_counts, worlds_text
 from graphnav.studies.ablation.report.number_format import difference_text, estimate_text
 from graphnav.studies.ablation.results import Comparison, Contrast, Difference, Estimate, PairedRow, PairedStudies, Row
-from graphnav.studies.table import Cell, Column, Table, Tone
 
 _ARROWS: dict[Better, str] = {"higher": " ↑", "lower": " ↓", "neither": ""}
 
@@ -100,5 +100,5 @@ def _difference(found: Difference | None, better: Better) -> Cell:
         return Cell()
     tone: Tone = ""
     if found.is_clear:
-        tone = "clear" if better == "neither" else "better" if (found.low > 0) == (better == "higher") else "worse"
-    return Cell(difference_text(found), tone, is_number=True)
+        tone = "clear" if better == "neither" else "good" if (found.low > 0) == (better == "higher") else "bad"
+    return Cell(difference_text(found), tone, is_markdown=True)

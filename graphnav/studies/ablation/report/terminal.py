@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from rich.text import Text
 
 from graphnav.core.machine import Console
+from graphnav.core.tables import print_table
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.legend import OWN_FRAMES, same_graphs, too_few_worlds
 from graphnav.studies.ablation.report.markdown import different_versions, only_in_one
 from graphnav.studies.ablation.report.tables import comparison_table, contrast_table, paired_table
 from graphnav.studies.ablation.results import Comparison, Contrast, PairedStudies, shown_metrics
-from graphnav.studies.table import print_table
 
 DECIDING = 2
 """Metrics that the terminal shows; `table.md` has them all."""

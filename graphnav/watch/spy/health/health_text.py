@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from rich import box
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from graphnav import Status
 from graphnav.core.errors import shown_name
+from graphnav.core.tables import Cell, cut, plain_table
 from graphnav.watch.spy.announcements import MAX_RUNS
 from graphnav.watch.spy.health.health import GuardHealth, Health, RunHealth
 
@@ -89,35 +88,35 @@ def _tables(status: Status, style: str, width_cols: int) -> Iterator[RenderableT
         yield Text(f"overtaken on edges: {overtaken}", style)
 
 
-def _stage(one: Mapping[str, Any]) -> Sequence[Text]:
+def _stage(one: Mapping[str, Any]) -> Sequence[object]:
     deadline = f"{one['deadline_ms']:.0f} ms" if one["deadline_ms"] else ""
     return (
-        Text(shown_name(one["name"])),
-        Text(shown_name(one["use"])),
-        Text(f"{one['rate_hz']:.1f} Hz"),
+        shown_name(one["name"]),
+        shown_name(one["use"]),
+        f"{one['rate_hz']:.1f} Hz",
         _ms(one["p50_ms"]),
         _ms(one["p99_ms"]),
-        Text(deadline),
+        deadline,
         _count(one["missed"]),
         _count(one["overtaken"]),
     )
 
 
-def _input(one: Mapping[str, Any]) -> Sequence[Text]:
-    age = Text("none yet", "red")
+def _input(one: Mapping[str, Any]) -> Sequence[object]:
+    age = Cell("none yet", "bad")
     if one["age_s"] >= 0:
-        age = Text(f"{one['age_s']:.2f} / {one['max_age_s']:.2f} s", "red" if one["age_s"] > one["max_age_s"] else "")
+        age = Cell(f"{one['age_s']:.2f} / {one['max_age_s']:.2f} s", "bad" if one["age_s"] > one["max_age_s"] else "")
     rejected = ", ".join(f"{shown_name(why)} {n}" for why, n in zip(one["reasons"], one["rejected"], strict=False))
     return (
-        Text(shown_name(one["name"])),
-        Text(shown_name(one["channel"])),
-        Text(str(one["accepted"])),
+        shown_name(one["name"]),
+        shown_name(one["channel"]),
+        one["accepted"],
         _count(one["lost"]),
-        Text(f"{one['rate_hz']:.1f} Hz"),
+        f"{one['rate_hz']:.1f} Hz",
         age,
-        Text(f"{one['offset_s']:+.3f} s"),
-        Text(shown_name(one["fault"]), "red") if one["fault"] else Text(shown_name(one["clock"]), "yellow"),
-        Text(rejected, "yellow"),
+        f"{one['offset_s']:+.3f} s",
+        Cell(shown_name(one["fault"]), "bad") if one["fault"] else Cell(shown_name(one["clock"]), "warning"),
+        Cell(rejected, "warning"),
     )
 
 
@@ -128,15 +127,15 @@ def _details(one: Mapping[str, Any]) -> Iterator[str]:
             yield f"{shown_name(one['name'])}, {shown_name(reason)}: {shown_name(detail)}"
 
 
-def _output(one: Mapping[str, Any]) -> Sequence[Text]:
+def _output(one: Mapping[str, Any]) -> Sequence[object]:
     return (
-        Text(shown_name(one["name"])),
-        Text(shown_name(one["channel"])),
-        Text("motor" if one["motor"] else ""),
-        Text(str(one["sent"])),
+        shown_name(one["name"]),
+        shown_name(one["channel"]),
+        "motor" if one["motor"] else "",
+        one["sent"],
         _count(one["refused"]),
-        *(_ms(one[f"latency_{name}_ms"]) if one["latency_max_ms"] else Text() for name in ("p50", "p99", "max")),
-        Text(shown_name(one["fault"]), "red"),
+        *(_ms(one[f"latency_{name}_ms"]) if one["latency_max_ms"] else "" for name in ("p50", "p99", "max")),
+        Cell(shown_name(one["fault"]), "bad"),
     )
 
 
@@ -160,29 +159,18 @@ def _guard(health: Health, guard: GuardHealth) -> Text:
     return text
 
 
-def _table(headings: Sequence[str], rows: Sequence[Sequence[Text]], style: str, hidden: Collection[str]) -> Table:
+def _table(
+    headings: Sequence[str], rows: Sequence[Sequence[object]], style: str, hidden: Collection[str]
+) -> RenderableType:
     """Return a table without the columns whose headings are ``hidden``; only sentences are wrapped."""
-    table = Table(
-        box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0), style=style, row_styles=[style]
-    )
     shown = [number for number, heading in enumerate(headings) if heading not in hidden]
-    for number in shown:
-        heading = headings[number]
-        table.add_column(_unbroken(Text(heading)), no_wrap=heading not in _STRINGS)
-    for row in rows:
-        table.add_row(*(row[n] if headings[n] in _WRAPPED else _unbroken(row[n]) for n in shown))
-    return table
+    table = plain_table((headings[n] for n in shown), [[row[n] for n in shown] for row in rows])
+    return cut(table, shrinking=_STRINGS, wrapped=_WRAPPED, style=style)
 
 
-def _unbroken(text: Text) -> Text:
-    """Cut a string, with an ellipsis, if its column is too narrow."""
-    text.no_wrap, text.overflow = True, "ellipsis"
-    return text
+def _ms(value: float) -> str:
+    return f"{value:.1f} ms"
 
 
-def _ms(value: float) -> Text:
-    return Text(f"{value:.1f} ms")
-
-
-def _count(number: int) -> Text:
-    return Text(str(number), "yellow" if number else "")
+def _count(number: int) -> Cell:
+    return Cell(str(number), "warning" if number else "")

@@ -77,7 +77,7 @@ def test_the_sentence_names_the_largest_step(plan: Plan, found: Losses) -> None:
     text = " ".join(sentences(plan, found))
     assert text.startswith("drive.spl on corridor is 0.6")
     assert "The largest step is that of plane, +0.17 [+0.02, +0.31]" in text
-    assert [cells[0].text for cells in loss_table(found).rows] == ["nothing", "flow", "plane"]
+    assert [cells[0].text for cells in loss_table(found).cells()] == ["nothing", "flow", "plane"]
 
 
 def test_runs_that_all_hit_the_time_limit_conclude_nothing(plan: Plan, make_record: MakeRecord) -> None:

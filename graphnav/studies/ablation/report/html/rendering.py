@@ -10,7 +10,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from graphnav.core.render import rendered as rendered_of
+from graphnav.core.html_templates import rendered as rendered_of
 from graphnav.studies.ablation.report import number_format
 from graphnav.studies.ablation.results import Estimate
 

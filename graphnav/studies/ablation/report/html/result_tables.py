@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from graphnav.core.stage import Better
+from graphnav.core.tables import Column, Table, html_table
 from graphnav.studies.ablation.report.decomposition import (
     decomposition_picture,
     loss_table,
@@ -30,7 +31,6 @@ from graphnav.studies.ablation.report.html.study_results import (
 from graphnav.studies.ablation.report.legend import OWN_FRAMES, worlds_text
 from graphnav.studies.ablation.report.number_format import TOO_SMALL, p_text
 from graphnav.studies.ablation.results import AllPairs, Difference, Pair, Row, all_pairs, losses, min_worlds
-from graphnav.studies.table import Cell, Column, Table
 
 _MAX_OPEN = 40
 """Longer tables are folded."""
@@ -201,13 +201,14 @@ _REST, _REST_COLOUR = "all others", "#dfe3e8"
 
 @dataclass(frozen=True)
 class _GraphTimes:
-    """Bars of the first ``n_shown`` rows, and a table of all times in milliseconds by variant and stage."""
+    """Bars of the first ``n_shown`` rows, and a table of the times of all in milliseconds by variant and stage."""
 
     name: str
     colours: Mapping[str, str]
     bars: Markup
     n_shown: int
-    table: Table
+    n_rows: int
+    table: Markup
 
 
 def timing(study: StudyResults) -> Markup:
@@ -227,10 +228,10 @@ def _graph_times(graph: str, rows: Mapping[str, Mapping[str, float]]) -> _GraphT
     bars = stacked_bars(shown, colours, "median time of one step, ms")
     columns = [Column("variant"), *(Column(stage, stage, "right") for stage in stages)]
     cells = [
-        [Cell(variant), *(Cell(f"{times[stage]:.2f}" if stage in times else "—") for stage in stages)]
+        [variant, *(f"{times[stage]:.2f}" if stage in times else "—" for stage in stages)]
         for variant, times in rows.items()
     ]
-    return _GraphTimes(graph, colours, bars, len(shown), Table(columns, cells))
+    return _GraphTimes(graph, colours, bars, len(shown), len(rows), html_table(Table(columns, cells), "page"))
 
 
 def _colours(stages: Sequence[str], rows: Mapping[str, Mapping[str, float]]) -> dict[str, str]:
@@ -259,5 +260,5 @@ def decomposition(study: StudyResults) -> Markup:
         chart=base64.b64encode(decomposition_picture(told, "svg")).decode("ascii") if told else "",
         answers=[" ".join(sentences(study.plan, of)) for of in found],
         notes=list(notes(study.plan, found)),
-        tables=[loss_table(of) for of in told],
+        tables=[(table.title, html_table(table, "page")) for table in map(loss_table, told)],
     )

@@ -6,15 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from rich import box
-from rich.table import Table
 from rich.text import Text
 
 from graphnav.core.machine.console import Console
-from graphnav.core.machine.table_width import fitted_tables
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.runner.simulated_clock import MAX_LATE_S
 from graphnav.core.stage import Better, Metric
+from graphnav.core.tables import Column, Table, plain_table, print_table
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
 _ENDINGS = {
@@ -47,9 +45,7 @@ def print_summary(
     elif shown := _first_metrics(summary, declared):
         tables.append(_few(shown))
     for table in tables:
-        names = sum(column.justify == "left" and column.header != "better" for column in table.columns)
-        for block in fitted_tables(console, table, fixed=names):
-            console.print(block, soft_wrap=True)
+        print_table(console, table)
     undefined = _undefined(summary, declared) if is_verbose else []
     if undefined:
         console.print(Text(f"undefined in this run: {', '.join(undefined)}"), soft_wrap=True)
@@ -89,12 +85,8 @@ def _undefined(summary: Summary, declared: Declared) -> list[str]:
 
 
 def _few(metrics: Sequence[tuple[str, float]]) -> Table:
-    table = Table(box=None, pad_edge=False, show_header=False, padding=(0, 2, 0, 2))
-    table.add_column("metric")
-    table.add_column("value", justify="right")
-    for name, value in metrics:
-        table.add_row(Text(name), f"{value:.4g}")
-    return table
+    columns = (Column(""), Column("", "value", "right"))
+    return Table(columns, [(name, f"{value:.4g}") for name, value in metrics])
 
 
 def _amount(summary: Summary) -> Text:
@@ -115,54 +107,42 @@ def _ending(summary: Summary) -> Text:
 
 
 def _stages(summary: Summary) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("stage")
-    table.add_column("use")
     has_deadlines = any(did.missed is not None for did in summary.stages.values())
-    for name in ("steps", "p50 ms", "p99 ms", "dropped", *(["missed"] if has_deadlines else [])):
-        table.add_column(name, justify="right")
+    numbers = ("steps", "p50 ms", "p99 ms", "dropped", *(["missed"] if has_deadlines else []))
+    rows = []
     for name, did in summary.stages.items():
-        cells = [name, did.use, str(did.steps), f"{did.p50_ms:.2f}", f"{did.p99_ms:.2f}", str(did.dropped)]
-        missed = "" if did.missed is None else str(did.missed)
-        table.add_row(*cells, *([missed] if has_deadlines else []))
-    return table
+        cells = (name, did.use, did.steps, f"{did.p50_ms:.2f}", f"{did.p99_ms:.2f}", did.dropped)
+        rows.append((*cells, *([did.missed] if has_deadlines else [])))
+    return _right_table(("stage", "use"), numbers, rows)
 
 
 def _outside(live: Mapping[str, Any]) -> Iterator[Table]:
     """Yield tables of the inputs and outputs of a live run, if it has any."""
     if live.get("inputs"):
-        table = _right_table(("input", "channel"), ("accepted", "lost", "rejected"))
+        rows = list[tuple[object, ...]]()
         for one in live["inputs"]:
             rejected = ", ".join(f"{n} {why}" for why, n in zip(one["reasons"], one["rejected"], strict=True))
-            table.add_row(one["name"], one["channel"], str(one["accepted"]), str(one["lost"]), rejected or "0")
-        yield table
+            rows.append((one["name"], one["channel"], one["accepted"], one["lost"], rejected or "0"))
+        yield _right_table(("input", "channel"), ("accepted", "lost", "rejected"), rows)
     if live.get("outputs"):
-        table = _right_table(("output", "channel"), ("sent", "latency p50 ms", "p99 ms", "max ms"))
+        rows = []
         for one in live["outputs"]:
             measured = [f"{one[f'latency_{what}_ms']:.1f}" for what in ("p50", "p99", "max")]
             times = measured if one["latency_max_ms"] else [""] * 3  # stops that a timer sent have no picture
-            table.add_row(one["name"], one["channel"], str(one["sent"]), *times)
-        yield table
+            rows.append((one["name"], one["channel"], one["sent"], *times))
+        yield _right_table(("output", "channel"), ("sent", "latency p50 ms", "p99 ms", "max ms"), rows)
 
 
-def _right_table(names: Sequence[str], values: Sequence[str]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in names:
-        table.add_column(name)
-    for value in values:
-        table.add_column(value, justify="right")
-    return table
+def _right_table(names: Sequence[str], numbers: Sequence[str], rows: Sequence[Sequence[object]]) -> Table:
+    """Return a table whose names stay where it is too wide, and whose other columns are numbers."""
+    return plain_table((*names, *numbers), rows, right=numbers, n_fixed=len(names))
 
 
 def _scores(summary: Summary, declared: Declared = NONE_DECLARED) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("score")
-    table.add_column("metric")
-    table.add_column("value", justify="right")
-    table.add_column("better")
+    rows = []
     for stage, values in summary.scores.items():
         for place, (name, value) in enumerate(values.items()):
             metric = declared.get(stage, {}).get(name)
             label, better = (metric.label, _WHERE_BETTER[metric.better]) if metric else (name, "")
-            table.add_row("" if place else stage, Text(label), f"{value:.4g}", better)
-    return table
+            rows.append(("" if place else stage, label, f"{value:.4g}", better))
+    return plain_table(("score", "metric", "value", "better"), rows, right=("value",), n_fixed=2)

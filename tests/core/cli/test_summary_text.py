@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from graphnav.core.machine.console import Console
-from graphnav.core.report.table import NONE_DECLARED, Declared, print_summary
+from graphnav.core.report.summary_text import NONE_DECLARED, Declared, print_summary
 from graphnav.core.runner.recording.summary import StageSteps, Summary
 from graphnav.core.stage import Metric
 
