@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from graphnav import Graph
 from graphnav.core.runner import Summary
 from graphnav.develop.parameters import Clock
+from graphnav.develop.profiling.flame import Node
 from graphnav.develop.profiling.process_threads import process_threads
-from graphnav.develop.profiling.profile import ChannelTime, Instruments, Node, Profile, StageTime
+from graphnav.develop.profiling.profile import ChannelTime, Instruments, Profile, StageTime
 from graphnav.develop.profiling.step_functions import Function
 from graphnav.develop.profiling.stopwatch import Part, Span
 from graphnav.develop.profiling.tick_spans import TickSpans

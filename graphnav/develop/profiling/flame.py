@@ -1,17 +1,12 @@
-"""Draw a profile as a flame graph: the tick on top, below each box what ran within it, widths are times."""
+"""Draw boxes within boxes as a flame graph: the tick on top, below each box what ran within it, widths are times."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from graphnav.core.errors import printable
 from graphnav.core.html_templates import rendered
-from graphnav.develop.profiling.text import CLOCKS
-
-if TYPE_CHECKING:
-    from graphnav.develop.profiling.profile import Node, Profile
 
 _MIN_WIDTH_PX, _MAX_WIDTH_PX = 1200.0, 12_000.0
 _STAGE_PX = 45.0
@@ -39,6 +34,24 @@ COLOURS = {
 
 
 @dataclass(frozen=True)
+class Node:
+    """A box of the flame graph: mean milliseconds of a tick, what is within it included."""
+
+    label: str
+    kind: str
+    """The part, or ``function``."""
+    ms: float
+    note: str = ""
+    children: tuple[Node, ...] = ()
+
+    def walk(self) -> Iterator[Node]:
+        """Yield this box and all within it."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+@dataclass(frozen=True)
 class Box:
     """A rectangle of the picture with its label, cut to fit, and its tooltip; pixels."""
 
@@ -50,18 +63,17 @@ class Box:
     tooltip: str
 
 
-def flame_svg(profile: Profile) -> str:
-    """Return an SVG document; every name in it is escaped."""
-    width = min(max(_MIN_WIDTH_PX, _STAGE_PX * len(profile.tree.children)), _MAX_WIDTH_PX)
-    scale = width / profile.tree.ms if profile.tree.ms else 0.0
-    boxes = list(_boxes(profile.tree, profile.tree.ms, 0.0, _TOP_PX, scale))
-    kinds = {node.kind for node in profile.tree.walk()}
+def flame_svg(tree: Node, title: str, note: str) -> str:
+    """Return an SVG document with a note below its title; every name in it is escaped."""
+    width = min(max(_MIN_WIDTH_PX, _STAGE_PX * len(tree.children)), _MAX_WIDTH_PX)
+    scale = width / tree.ms if tree.ms else 0.0
+    boxes = list(_boxes(tree, tree.ms, 0.0, _TOP_PX, scale))
+    kinds = {node.kind for node in tree.walk()}
     picture = rendered(
         "graphnav.develop.profiling",
         "flame.svg",
-        title=f"{printable(profile.graph)}: a tick takes {profile.tick_ms:.3f} ms, {profile.ticks_per_s:.0f} ticks/s",
-        ideal=f"the steps alone take {profile.ideal_ms:.3f} ms, {_share(profile.ideal_ms, profile.tick_ms)} of it",
-        measured=f"means of {profile.ticks['timed']} ticks, seed {profile.seed}, {CLOCKS[profile.clock]}",
+        title=printable(title),
+        note=note,
         width=width,
         shrinks=width == _MIN_WIDTH_PX,
         height=max(box.y for box in boxes) + _ROW_PX + 8,

@@ -11,9 +11,8 @@ import pytest
 
 from graphnav.core.machine.console import Console
 from graphnav.develop.profiling import step_functions
-from graphnav.develop.profiling.profile import Profile
+from graphnav.develop.profiling.profile import Profile, print_profile
 from graphnav.develop.profiling.step_functions import Function, StepFunctions
-from graphnav.develop.profiling.text import print_profile
 from graphnav.develop.profiling.tick_spans import WARM_UP, TickKind
 
 from .conftest import GRAPH, ProfileText
