@@ -82,6 +82,16 @@ def test_changed_is_what_differs_from_where_the_branch_left_main(tree: Path) -> 
     assert check.changed_files(tree) == ["graphnav/solo.py", "tools/gen.py", "graphnav/new.py"]
 
 
+def test_tests_are_compiled_where_pytest_has_collected_most_of_them(tree: Path) -> None:
+    assert not check.are_compiled(tree)
+    for path in tree.glob("tests/**/test_*.py"):
+        path.write_text("def test() -> None: ...\n")
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-qq", "tests"]
+    subprocess.run(command, cwd=tree, env=environment, check=True, capture_output=True)
+    assert check.are_compiled(tree)
+
+
 def test_an_unknown_step_is_refused_by_name(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

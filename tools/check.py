@@ -10,6 +10,7 @@ import sysconfig
 import time
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+from importlib.metadata import version
 from pathlib import Path, PurePath
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -118,6 +119,13 @@ def _module(path: PurePath) -> str:
     return ".".join(parts).removesuffix(".py").removesuffix(".__init__")
 
 
+def are_compiled(root: Path) -> bool:
+    """Whether pytest has compiled most of the tests, by this Python and for its own version."""
+    suffix = f"{sys.implementation.cache_tag}-pytest-{version('pytest')}.pyc"
+    tests = list(root.glob("tests/**/test_*.py"))
+    return 2 * sum((path.parent / "__pycache__" / f"{path.stem}.{suffix}").exists() for path in tests) > len(tests)
+
+
 def command_of(step: str) -> list[str]:
     """Return the command of a step; ``changed`` leaves out tests that take long, and what would begin too late."""
     if step != "changed":
@@ -130,17 +138,27 @@ def command_of(step: str) -> list[str]:
 
 def _run(step: str, *, is_shown: bool) -> tuple[bool, str]:
     """Run a step; return whether it failed, and what it printed unless that ``is_shown`` meanwhile."""
-    # tests start some hundred processes: each would compile the package again
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     begin = time.monotonic()
     where = None if is_shown else subprocess.PIPE
     errors = None if is_shown else subprocess.STDOUT
     done = subprocess.run(
-        command_of(step), cwd=ROOT, env=environment, stdout=where, stderr=errors, text=True, check=False
+        command_of(step), cwd=ROOT, env=_environment(), stdout=where, stderr=errors, text=True, check=False
     )
     has_failed = done.returncode != 0 and not (step == "changed" and done.returncode == NO_TESTS)
     verdict = f"== {step}: {'FAILED' if has_failed else 'ok'}, {time.monotonic() - begin:.0f} s\n"
     return has_failed, (done.stdout or "") + verdict
+
+
+def _environment() -> dict[str, str]:
+    """Return the environment of a step: tests start some hundred processes, each of which would compile the package."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+
+
+def _compile_tests() -> None:
+    """Collect the tests once where they are not compiled: workers, which begin at the same time, would each do so."""
+    if not are_compiled(ROOT):
+        collect = [sys.executable, "-m", "pytest", "--collect-only", "-qq"]
+        subprocess.run(collect, cwd=ROOT, env=_environment(), capture_output=True, check=False)
 
 
 def main() -> int:
@@ -155,7 +173,10 @@ def main() -> int:
     failed = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         begun = {step: pool.submit(_run, step, is_shown=False) for step in wanted if step not in TESTING}
+        compiling = pool.submit(_compile_tests) if "tests" in wanted else None
         for step in sorted(wanted, key=TESTING.__contains__):
+            if step == "tests" and compiling:
+                compiling.result()
             print(f"== {step}", flush=True)
             has_failed, printed = begun[step].result() if step in begun else _run(step, is_shown=True)
             print(printed, end="", flush=True)
