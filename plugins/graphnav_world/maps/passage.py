@@ -17,8 +17,8 @@ CELL_M = 0.025
 MAX_CELLS = 1_000_000
 """Of a grid: with cells of 2.5 cm 625 square metres, margins included."""
 STRIDE = 2
-STEPS = [(down, right, math.hypot(down, right)) for down in (-STRIDE, 0, STRIDE) for right in (-STRIDE, 0, STRIDE)]
-"""Of the search, in cells: down, right, length."""
+STEPS = [(down, right, math.hypot(down, right)) for down in (-1, 0, 1) for right in (-1, 0, 1)]
+"""Of the search, in strides: down, right, length."""
 MARGIN_M = 1.0
 Cell = tuple[int, int]
 
@@ -100,24 +100,33 @@ class Passage:
         return float(np.linalg.norm(np.diff(np.array(taut), axis=0), axis=1).sum() * self._cell_m)
 
     def _search(self, free: Bools) -> list[Cell]:
-        """Return the cells of a shortest 8-connected way (Dijkstra), empty if there is none."""
-        start = self._start_cell()
-        reachable = np.pad(free, STRIDE)[STRIDE:, STRIDE:]  # beyond either end it reads the rim, which is not free
-        best: dict[Cell, float] = {start: 0.0}
-        came: dict[Cell, Cell] = {}
+        """Return the cells of a shortest 8-connected way (Dijkstra), empty if there is none.
+
+        It takes every second row and column, those of the start, and numbers their cells row by row.
+        """
+        row, col = self._start_cell()
+        top, left = row % STRIDE, col % STRIDE
+        reachable = np.pad(free[top::STRIDE, left::STRIDE], 1)  # the rim is not free
+        in_goal = np.pad(self._in_goal[top::STRIDE, left::STRIDE], 1).ravel().tolist()
+        best = np.where(reachable, math.inf, -math.inf).ravel().tolist()
+        cols = reachable.shape[1]
+        steps = [(down * cols + right, STRIDE * length) for down, right, length in STEPS]
+        start = (row // STRIDE + 1) * cols + col // STRIDE + 1
+        best[start] = 0.0
+        came: dict[int, int] = {}
         queue = [(0.0, start)]
         while queue:
             length, cell = heapq.heappop(queue)
             if length > best[cell]:
                 continue
-            if self._in_goal[cell]:
-                return [*reversed(list(_back(came, cell)))]
-            row, col = cell
-            for down, right, step in STEPS:
-                near = row + down, col + right
-                if length + step < best.get(near, math.inf) and reachable[near]:
-                    best[near], came[near] = length + step, cell
-                    heapq.heappush(queue, (length + step, near))
+            if in_goal[cell]:
+                way = [*reversed(list(_back(came, cell)))]
+                return [((one // cols - 1) * STRIDE + top, (one % cols - 1) * STRIDE + left) for one in way]
+            for step, step_length in steps:
+                near, reached = cell + step, length + step_length
+                if reached < best[near]:
+                    best[near], came[near] = reached, cell
+                    heapq.heappush(queue, (reached, near))
         return []
 
     def _start_cell(self) -> Cell:
@@ -130,7 +139,7 @@ class Passage:
         return cells
 
 
-def _back(came: dict[Cell, Cell], cell: Cell) -> Iterator[Cell]:
+def _back(came: dict[int, int], cell: int) -> Iterator[int]:
     yield cell
     while cell in came:
         cell = came[cell]
