@@ -23,6 +23,7 @@ from graphnav.core.bus import require_route
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import BusError
 from graphnav.core.graph import Graph, graph_of, parse_override
+from tests.forked_commands import FOLDER
 from tests.targets import Targets
 
 TOYS = Path(__file__).parent / "errors" / "stages.py"
@@ -40,8 +41,6 @@ stages:
 
 _FIRST_PORT, _N_PORTS = 10_000, 20_000
 """Linux hands datagrams of all groups to every listener on a port, so each process of the tests has its own port."""
-_FORKS = "GRAPHNAV_TESTS_FORKS"
-"""The folder that all processes of the tests share, for the server of ``tests/docs/forked_commands.py``."""
 _SLOW = Path(__file__).parent / "slow"
 _LATEST_S = pytest.StashKey[float]()
 _URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % _N_PORTS}?ttl=0"
@@ -70,8 +69,8 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.setdefault("MPLCONFIGDIR", os.path.join(caches, "matplotlib"))  # its list of fonts takes seconds
     os.environ["XDG_CACHE_HOME"] = cache = tempfile.mkdtemp(prefix="graphnav_tests_")
     config.add_cleanup(lambda: shutil.rmtree(cache, ignore_errors=True))
-    if _FORKS not in os.environ:  # workers have that of their parent
-        os.environ[_FORKS] = forks = tempfile.mkdtemp(prefix="graphnav_forks_")
+    if FOLDER not in os.environ:  # workers have that of their parent
+        os.environ[FOLDER] = forks = tempfile.mkdtemp(prefix="graphnav_forks_")
         config.add_cleanup(lambda: shutil.rmtree(forks, ignore_errors=True))
     hypothesis.settings.register_profile("any machine", deadline=None, derandomize=True)
     hypothesis.settings.load_profile("any machine")

@@ -67,7 +67,7 @@ def test_the_core_is_tested_without_all_rooms(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     for part in ("core", "errors", "fixtures"):
         shutil.copytree(ROOT / "tests" / part, tree / "tests" / part)
-    for name in ("tests/conftest.py", "tests/targets.py", "pyproject.toml", "README.md"):
+    for name in ("tests/conftest.py", "tests/targets.py", "tests/forked_commands.py", "pyproject.toml", "README.md"):
         shutil.copy2(ROOT / name, tree / name)
     (tree / "tools").mkdir()
     folders = [f"tests/core/{name}" for name in TESTED]

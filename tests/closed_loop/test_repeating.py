@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,9 +10,9 @@ import numpy as np
 
 from graphnav import Image, Map, Recording
 from graphnav.core.runner.recording.summary import Summary
+from tests.forked_commands import forked_graphnav
 
 Drive = Callable[..., tuple[Summary, Recording]]
-GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 SHORT = "run.until_s=2"
 
 
@@ -25,7 +24,7 @@ def test_the_same_seed_gives_the_same_log_and_another_does_not(drive: Drive) -> 
 def test_two_processes_at_once_write_the_same_log(tmp_path: Path) -> None:
     words = ["run", "corridor_ccw", "--seed", "5", "--until", "2", "--no-tap", "--no-pictures"]
     both = [
-        subprocess.Popen([str(GRAPHNAV), *words, "-o", str(tmp_path / name)], stdout=subprocess.DEVNULL)
+        subprocess.Popen([str(forked_graphnav()), *words, "-o", str(tmp_path / name)], stdout=subprocess.DEVNULL)
         for name in ("a", "b")
     ]
     assert [process.wait() for process in both] == [0, 0]

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.core.cli import main
+from tests.forked_commands import forked_graphnav
 
 pytestmark = pytest.mark.long
 SCRIPTS = Path(sysconfig.get_path("scripts"))
@@ -82,9 +83,11 @@ def process(program: str, *words: str) -> subprocess.Popen[str]:
     return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
-def start(folder: Path, *words: str, until: list[str] = SHORT) -> subprocess.Popen[str]:
+def start(
+    folder: Path, *words: str, until: list[str] = SHORT, program: Path = SCRIPTS / "graphnav"
+) -> subprocess.Popen[str]:
     """Start the study as the leader of a process group."""
-    command = [str(SCRIPTS / "graphnav"), "ablate", *STUDY, *until, "--seeds", "0:2", "-o", str(folder), *words]
+    command = [str(program), "ablate", *STUDY, *until, "--seeds", "0:2", "-o", str(folder), *words]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True)
 
@@ -96,9 +99,9 @@ def wait_until(condition: Callable[[], bool], study: subprocess.Popen[str]) -> N
         time.sleep(0.005)
 
 
-def finished(folder: Path, *words: str) -> bytes:
+def finished(folder: Path, *words: str, program: Path = SCRIPTS / "graphnav") -> bytes:
     """Run the study to its end and return its results."""
-    study = start(folder, *words)
+    study = start(folder, *words, program=program)
     _, said = study.communicate()
     assert (study.returncode, said) == (0, "")
     return (folder / "results.csv").read_bytes()
@@ -114,7 +117,7 @@ def test_two_processes_and_thread_counts_from_outside_change_no_result(
 
 
 def test_a_cluster_gives_the_same_results(undisturbed: bytes, tmp_path: Path, cluster: str) -> None:
-    assert finished(tmp_path / "cluster", "--cluster", cluster) == undisturbed
+    assert finished(tmp_path / "cluster", "--cluster", cluster, program=forked_graphnav()) == undisturbed
 
 
 def test_a_stage_that_kills_its_process_kills_no_worker_of_a_cluster(tmp_path: Path, cluster: str) -> None:
@@ -124,7 +127,7 @@ def test_a_stage_that_kills_its_process_kills_no_worker_of_a_cluster(tmp_path: P
     results = []
     for words in (["-j", "2"], ["--cluster", cluster]):
         out = tmp_path / words[0].strip("-")
-        command = [str(SCRIPTS / "graphnav"), "ablate", str(graph), "--plugin", str(plugin), "--seeds", "0:2"]
+        command = [str(forked_graphnav()), "ablate", str(graph), "--plugin", str(plugin), "--seeds", "0:2"]
         command += ["--vary", "robot.after=1000,5", "-o", str(out), *words]
         done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
         assert done.returncode == 0
@@ -143,12 +146,13 @@ def test_kill_9_at_any_moment_changes_no_result(undisturbed: bytes, tmp_path: Pa
         wait_until(lambda: len(list(out.glob("runs/*/*/*"))) >= made, study)  # noqa: B023 - called before it changes
         os.killpg(study.pid, signal.SIGKILL)
         study.communicate()
-    assert finished(out, "-j", "2") == undisturbed
+    assert main(["ablate", *STUDY, *SHORT, "--seeds", "0:2", "-o", str(out), "-j", "2"]) == 0
+    assert (out / "results.csv").read_bytes() == undisturbed
 
 
 def test_ctrl_c_on_a_cluster_is_clean(tmp_path: Path, cluster: str) -> None:
     out = tmp_path / "stopped"
-    study = start(out, "--cluster", cluster, until=LONG)
+    study = start(out, "--cluster", cluster, until=LONG, program=forked_graphnav())
     wait_until((out / ".scratch").exists, study)
     os.killpg(study.pid, signal.SIGINT)
     assert study.communicate() == ("", "stopped: 0 of 4 runs are finished; resume with the same command\n")

@@ -2,22 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
-import sysconfig
 from pathlib import Path
 
 import pytest
 
 from graphnav.core.cli import main
-
-GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
-
-
-def graphnav(folder: Path, *words: str) -> str:
-    """Run the command in ``folder`` and return what it printed."""
-    done = subprocess.run([str(GRAPHNAV), *words], cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
 
 
 @pytest.mark.parametrize(
@@ -37,9 +26,13 @@ def test_a_swap_runs_and_says_what_it_did(
     assert said in capsys.readouterr().out.partition("ticks, seed")[0]
 
 
-def test_a_file_with_a_stage_is_enough(tmp_path: Path) -> None:
-    graphnav(tmp_path, "new-stage", "plane", "my_detector")
+def test_a_file_with_a_stage_is_enough(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new-stage", "plane", "my_detector"]) == 0
     swap = ["--plugin", "my_detector.py", "--set", "plane=plane.my_detector"]
-    printed = graphnav(tmp_path, "run", "corridor_ccw", *swap, "--until", "1", "--no-tap", "-o", "out")
-    assert "plane.my_detector" in printed
+    capsys.readouterr()
+    assert main(["run", "corridor_ccw", *swap, "--until", "1", "--no-tap", "-o", "out"]) == 0
+    assert "plane.my_detector" in capsys.readouterr().out
     assert (tmp_path / "out" / "panels.png").stat().st_size > 0

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sysconfig
 from pathlib import Path
 
 import pytest
 
-GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
+from tests.forked_commands import forked_graphnav
 
 
 @pytest.mark.usefixtures("group")
 def test_a_spy_sees_every_channel_with_type_rate_size_and_fields(tmp_path: Path) -> None:
-    words = [GRAPHNAV, "run", "corridor_ccw", "--pace", "1", "--until", "60", "--no-pictures", "-o", "out"]
+    graphnav = str(forked_graphnav())
+    words = [graphnav, "run", "corridor_ccw", "--pace", "1", "--until", "60", "--no-pictures", "-o", "out"]
     run = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
         assert run.stdout is not None
         run_id = run.stdout.readline().split()[1]
         spied = subprocess.run(
-            [GRAPHNAV, "spy", "--once", "--json", "--for", "8"], capture_output=True, text=True, check=True
+            [graphnav, "spy", "--once", "--json", "--for", "8"], capture_output=True, text=True, check=True
         )
         echoed = subprocess.run(
-            [GRAPHNAV, "echo", "flow.flow", "-n", "1", "--for", "8"], capture_output=True, text=True, check=True
+            [graphnav, "echo", "flow.flow", "-n", "1", "--for", "8"], capture_output=True, text=True, check=True
         )
     finally:
         run.terminate()

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import signal
 import subprocess
-import sys
 import sysconfig
-import time
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryFile
 
-_STARTS_S = 240.0
+from tests.forked_commands import forked_graphnav
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
@@ -63,24 +60,6 @@ def shortened(script: str) -> str:
     return "\n".join(lines)
 
 
-@cache
-def _forking() -> Path:
-    """Return the folder of a ``graphnav`` that is forked, not started; the first of this session starts the server."""
-    folder = Path(os.environ["GRAPHNAV_TESTS_FORKS"])
-    program = folder / "bin" / "graphnav"
-    with (folder / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not program.exists():
-            command = [sys.executable, str(Path(__file__).with_name("forked_commands.py")), str(folder)]
-            with (folder / "server.txt").open("w") as printed:
-                subprocess.run(command, check=True, stdin=subprocess.DEVNULL, stdout=printed, stderr=printed)
-        end_s = time.monotonic() + _STARTS_S
-        while not program.exists():
-            assert time.monotonic() < end_s, (folder / "server.txt").read_text()
-            time.sleep(0.05)
-    return program.parent
-
-
 def shell(script: str, folder: Path, url: str, timeout_s: float = 300, *, forks: bool = True) -> str:
     """Run a script in ``folder``, with LCM on ``url``; return what it printed. A command that fails fails the test.
 
@@ -88,7 +67,7 @@ def shell(script: str, folder: Path, url: str, timeout_s: float = 300, *, forks:
     """
     scripts = sysconfig.get_path("scripts")
     if forks:
-        scripts = f"{_forking()}{os.pathsep}{scripts}"
+        scripts = f"{forked_graphnav().parent}{os.pathsep}{scripts}"
     with TemporaryFile("w+") as printed:
         started = subprocess.Popen(
             ["bash", "-eu", "-o", "pipefail", "-c", script],

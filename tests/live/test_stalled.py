@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sysconfig
 from pathlib import Path
 
 import pytest
 
 from graphnav import Recording
 from graphnav.core.record import LOG
+from tests.forked_commands import forked_graphnav
 
 PLUGIN = Path(__file__).parents[1] / "core" / "runner" / "misbehaving.py"
 GRAPH = """
@@ -18,7 +18,6 @@ stages:
   c: {use: odd.clock}
   b: {use: odd.faulty, with: {kind: %s, method: step}, in: {twist: c.twist}}
 """
-GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
 
 @pytest.mark.parametrize(
@@ -33,7 +32,17 @@ def test_a_live_run_ends_with_the_stage_its_log_and_its_summary(
     tmp_path: Path, group: str, kind: str, said: str
 ) -> None:
     (tmp_path / "graph.yaml").write_text(GRAPH % kind)
-    command = [str(GRAPHNAV), "run", "graph.yaml", "--plugin", str(PLUGIN), "--no-tap", "--no-pictures", "-o", "out"]
+    command = [
+        str(forked_graphnav()),
+        "run",
+        "graph.yaml",
+        "--plugin",
+        str(PLUGIN),
+        "--no-tap",
+        "--no-pictures",
+        "-o",
+        "out",
+    ]
     command += ["--live", "--url", group, "--stall-s", "1"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sysconfig
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -17,11 +16,11 @@ import pytest
 
 from graphnav import Odometry, PlanarModel, Recording, Twist
 from graphnav.core.cli import main
+from tests.forked_commands import forked_graphnav
 
 if TYPE_CHECKING:
     from tests.live.conftest import Outside
 
-GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 ROBOT = """
 run: {seed: 3, record: small}
 outputs:
@@ -42,7 +41,7 @@ def robot(tmp_path: Path, group: str) -> Iterator[None]:
     graph.write_text(ROBOT)
     words = ["run", str(graph), "--live", "--url", group, "--no-tap", "--no-pictures", "-o", str(tmp_path / "robot")]
     with (tmp_path / "robot.txt").open("wb") as output:
-        process = subprocess.Popen([str(GRAPHNAV), *words], stdout=output, stderr=subprocess.STDOUT)
+        process = subprocess.Popen([str(forked_graphnav()), *words], stdout=output, stderr=subprocess.STDOUT)
     yield
     process.send_signal(signal.SIGINT)
     process.wait(PATIENCE_S)
@@ -80,7 +79,7 @@ def test_it_ends_once_the_motions_asked_for_are_taught(
 def test_ctrl_c_saves_the_newest_model(tmp_path: Path, group: str) -> None:
     path, scratch = tmp_path / "model.lcmlog", tmp_path / "scratch"
     scratch.mkdir()
-    command = [str(GRAPHNAV), *TEACH, "--set", "teach.every_frames=5", "--url", group, "-o", str(path)]
+    command = [str(forked_graphnav()), *TEACH, "--set", "teach.every_frames=5", "--url", group, "-o", str(path)]
     pipe, env = subprocess.PIPE, os.environ | {"TMPDIR": str(scratch)}
     teaching = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=env)
     end_s = time.monotonic() + PATIENCE_S

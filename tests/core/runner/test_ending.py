@@ -7,7 +7,6 @@ import re
 import signal
 import subprocess
 import sys
-import sysconfig
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,9 +15,9 @@ import pytest
 
 from graphnav import Recording
 from graphnav.core.runner.recording.summary import Summary
+from tests.forked_commands import forked_graphnav
 
 STAGES = Path(__file__).parent / "stages.py"
-GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 Run = Callable[..., tuple[Summary, Recording]]
 
 BAD = """
@@ -66,7 +65,17 @@ def start(folder: Path, text: str, *words: str) -> subprocess.Popen[str]:
     """Start a run in a process of its own."""
     graph = folder / "graph.yaml"
     graph.write_text(text)
-    command = [str(GRAPHNAV), "run", str(graph), "--plugin", str(STAGES), "--no-tap", "-o", str(folder / "out"), *words]
+    command = [
+        str(forked_graphnav()),
+        "run",
+        str(graph),
+        "--plugin",
+        str(STAGES),
+        "--no-tap",
+        "-o",
+        str(folder / "out"),
+        *words,
+    ]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import sysconfig
 from pathlib import Path
 
 import pytest
 
 from graphnav import Recording
+from tests.forked_commands import forked_graphnav
 
-GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 PLUGIN = """
 import os, threading
@@ -59,7 +58,7 @@ def run(folder: Path, when: str, number: int, *, hangs: bool = False) -> subproc
     (folder / "late.py").write_text(PLUGIN)
     options = f"{{when: {when}, number: {int(number)}, hangs: {str(hangs).lower()}}}"
     (folder / "graph.yaml").write_text(f"run: {{until_s: 1}}\nstages:\n  a: {{use: late.late, with: {options}}}\n")
-    command = [str(GRAPHNAV), "run", "graph.yaml", "--plugin", "late.py", "--no-tap", "-o", "out"]
+    command = [str(forked_graphnav()), "run", "graph.yaml", "--plugin", "late.py", "--no-tap", "-o", "out"]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
 
 

@@ -16,6 +16,7 @@ import pytest
 
 from graphnav import Recording
 from graphnav.core.catalog import Catalog
+from graphnav.core.cli import main
 from graphnav.core.errors import CatalogError, DrawingError, UserError
 from graphnav.core.graph import Graph, load_graph
 from graphnav.core.interrupts import CtrlC, third_party_code
@@ -27,6 +28,7 @@ from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.spec.declared.plugin_formats import plugin_formats
 from graphnav.watch.loginfo import unfinished
 from tests.core.runner.misbehaving import KINDS, SUMMARIES
+from tests.forked_commands import forked_graphnav
 
 PLUGIN = Path(__file__).with_name("misbehaving.py")
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
@@ -205,15 +207,14 @@ def test_the_working_folder_is_restored_after_code_of_a_plugin(tmp_path: Path, m
     assert Path.cwd() == tmp_path
 
 
-def command_line(*words: str) -> list[str]:
-    """Return the command that runs the graph of a folder."""
-    return [str(GRAPHNAV), "run", "graph.yaml", "--plugin", str(PLUGIN), "--no-tap", "-o", "out", *words]
+WORDS = ["run", "graph.yaml", "--plugin", str(PLUGIN), "--no-tap", "-o", "out"]
 
 
-def command(folder: Path, text: str, *words: str) -> subprocess.CompletedProcess[str]:
+def command(folder: Path, text: str, *words: str, program: Path | None = None) -> subprocess.CompletedProcess[str]:
     """Run a graph by the command line, in ``folder``."""
     (folder / "graph.yaml").write_text(text)
-    return subprocess.run(command_line(*words), capture_output=True, text=True, check=False, cwd=folder)
+    line = [str(program or forked_graphnav()), *WORDS, *words]
+    return subprocess.run(line, capture_output=True, text=True, check=False, cwd=folder)
 
 
 @pytest.mark.parametrize(
@@ -266,26 +267,27 @@ def test_a_stage_that_hangs_ends_the_run_with_log_and_summary(tmp_path: Path, me
 
 
 def test_a_thread_that_a_stage_leaves_running_is_named_and_not_waited_for(tmp_path: Path) -> None:
-    done = command(tmp_path, faulty("thread", "step"), "--no-pictures")
+    done = command(tmp_path, faulty("thread", "step"), "--no-pictures", program=GRAPHNAV)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("out: run.lcmlog") == 1
     assert done.stderr == "ended with threads that a plugin left running: lost\\x1b[2J\n"
 
 
 @pytest.mark.parametrize("words", ["0", "-1", "nan", "soon", "1e10"])
-def test_a_stall_limit_that_is_not_one_is_refused(tmp_path: Path, words: str) -> None:
-    done = command(tmp_path, graph_text("faulty"), f"--stall-s={words}")
-    assert done.returncode == 2
-    assert f"'{words}' is not a number of seconds above 0" in done.stderr
+def test_a_stall_limit_that_is_not_one_is_refused(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main([*WORDS, f"--stall-s={words}"])
+    assert f"'{words}' is not a number of seconds above 0" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("kind", "reader"), [("exit", "info"), ("fault", "figure")])
-def test_readers_tell_which_stage_ended_the_process(tmp_path: Path, kind: str, reader: str) -> None:
+def test_readers_tell_which_stage_ended_the_process(
+    tmp_path: Path, kind: str, reader: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     command(tmp_path, faulty(kind, "step"))
-    read = [str(GRAPHNAV), reader, str(tmp_path / "out")]
-    done = subprocess.run(read, capture_output=True, text=True, check=False)
+    main([reader, str(tmp_path / "out")])
     said = "the run did not finish: its process ended early; the last call was step of stage 'b' (odd.faulty) at 0.20 s"
-    assert said in done.stdout + done.stderr
+    assert said in "".join(capsys.readouterr())
 
 
 def test_a_run_that_finished_leaves_no_progress(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sysconfig
 import time
 from pathlib import Path
 
@@ -13,9 +12,9 @@ import pytest
 
 from graphnav import PlanarModel, Recording
 from graphnav.core.cli import main
+from tests.forked_commands import forked_graphnav
 
 TEACH = ["teach", "teach_downward", "--set", "teach.terms=[v]", "--set", "teach.every_frames=5"]
-GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
 
 def test_the_last_model_is_saved_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -52,7 +51,7 @@ def test_ctrl_c_saves_no_model_that_is_half_taught(tmp_path: Path) -> None:
     path, scratch = tmp_path / "model.lcmlog", tmp_path / "scratch"
     path.write_text("precious")
     scratch.mkdir()
-    command = [str(GRAPHNAV), *TEACH, "--until", "1e6", "--force", "-o", str(path)]
+    command = [str(forked_graphnav()), *TEACH, "--until", "1e6", "--force", "-o", str(path)]
     pipe, env = subprocess.PIPE, os.environ | {"TMPDIR": str(scratch)}
     teaching = subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True, env=env)
     deadline = time.monotonic() + 60

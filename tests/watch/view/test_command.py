@@ -6,7 +6,6 @@ import re
 import signal
 import socket
 import subprocess
-import sysconfig
 import urllib.request
 from pathlib import Path
 
@@ -15,12 +14,11 @@ from websockets.sync.client import connect
 from websockets.typing import Origin
 
 from graphnav.core.cli import main
-
-GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
+from tests.forked_commands import forked_graphnav
 
 
 def test_it_prints_where_the_page_is_and_ends_with_ctrl_c(log: Path) -> None:
-    command = [GRAPHNAV, "view", str(log), "--port", "0"]
+    command = [str(forked_graphnav()), "view", str(log), "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         line = process.stdout.readline()

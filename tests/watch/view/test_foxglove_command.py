@@ -7,21 +7,19 @@ import signal
 import socket
 import subprocess
 import sys
-import sysconfig
 from pathlib import Path
 
 import pytest
 
 from graphnav.core.cli import main
+from tests.forked_commands import forked_graphnav
 
 from .foxglove_client import FoxgloveClient
-
-GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_it_prints_where_it_serves_and_ends_when_it_is_asked_to(log: Path, number: signal.Signals) -> None:
-    command = [GRAPHNAV, "view", "--foxglove", str(log), "--port", "0"]
+    command = [str(forked_graphnav()), "view", "--foxglove", str(log), "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         line = process.stdout.readline()

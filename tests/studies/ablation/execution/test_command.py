@@ -8,7 +8,6 @@ import os
 import pty
 import shutil
 import subprocess
-import sysconfig
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -19,10 +18,9 @@ import pytest
 from graphnav.core.cli import main
 from graphnav.studies.ablation.worker import STALL_S
 from graphnav.studies.commands.ablate import main as ablate
+from tests.forked_commands import forked_graphnav
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
-
-GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 
 
 def test_many_runs_without_a_terminal_to_ask_are_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
@@ -37,7 +35,7 @@ def test_many_runs_without_a_terminal_to_ask_are_refused(study: Any, capsys: pyt
 def test_many_runs_are_asked_for_with_the_time_that_they_take(study: Any, answer: str) -> None:
     ours, theirs = pty.openpty()
     words = study.words("--set", "run.until_s=0.3", seeds="0:501")
-    process = subprocess.Popen([str(GRAPHNAV), *words], stdin=theirs, stdout=theirs, stderr=subprocess.DEVNULL)
+    process = subprocess.Popen([str(forked_graphnav()), *words], stdin=theirs, stdout=theirs, stderr=subprocess.DEVNULL)
     os.close(theirs)
     os.write(ours, f"{answer}\n".encode())
     said = b""

@@ -1,20 +1,27 @@
 """``graphnav`` commands as processes that are forked in milliseconds: a fresh one imports for a second or two.
 
+`forked_graphnav` is for tests in which the process is the point, its signals, streams and status, but not its start.
+
 ``python forked_commands.py FOLDER`` makes ``FOLDER/bin/graphnav``, a program that hands its words, its environment, its
 folder and its standard streams to this process, which forks. Signals that reach the program reach the command, and the
-program ends as the command does. What a start looks like is tested elsewhere. It serves until ``FOLDER`` is removed.
+program ends as the command does. It serves until ``FOLDER`` is removed.
 """
 
 from __future__ import annotations
 
+import fcntl
 import importlib
 import json
 import os
 import select
 import signal
 import socket
+import subprocess
 import sys
+import tempfile
+import time
 import traceback
+from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -37,7 +44,10 @@ MODULES = (
 )
 GRAPHS = ("corridor_ccw", "navigate")
 """Shipped graphs, whose families are imported."""
+FOLDER = "GRAPHNAV_TESTS_FORKS"
+"""The variable of the environment with the folder that all processes of the tests share."""
 LOOK_S = 1.0
+_STARTS_S = 240.0
 _MAX_BYTES = 1 << 17
 
 PROGRAM = """#!{python} -IS
@@ -58,6 +68,24 @@ if answer[:1] == b"k":
     os.kill(os.getpid(), answer[1])
 sys.exit(answer[1])
 """
+
+
+@cache
+def forked_graphnav() -> Path:
+    """Return a program ``graphnav`` whose commands are forked, not started; the first call starts the server."""
+    folder = Path(os.environ[FOLDER])
+    program = folder / "bin" / "graphnav"
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not program.exists():
+            with (folder / "server.txt").open("w") as printed:
+                command = [sys.executable, "-P", __file__, str(folder)]
+                subprocess.run(command, check=True, stdin=subprocess.DEVNULL, stdout=printed, stderr=printed)
+        end_s = time.monotonic() + _STARTS_S
+        while not program.exists():
+            assert time.monotonic() < end_s, (folder / "server.txt").read_text()
+            time.sleep(0.05)
+    return program
 
 
 def main(folder: Path) -> None:
@@ -145,6 +173,7 @@ def _be(asked: dict[str, Any], streams: list[int]) -> NoReturn:
     os.chdir(asked["folder"])
     os.environ.clear()
     os.environ.update(asked["environment"])
+    tempfile.tempdir = None  # of the environment
     sys.argv = ["graphnav", *asked["words"]]
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
