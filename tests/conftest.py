@@ -94,7 +94,8 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Keep the slow tests or the others. Start modules with long tests first, as many a worker.
 
-    Worksteal cuts the list into equal parts.
+    Worksteal cuts the list into equal parts. Those of a folder stay together, in whatever order: they import the same,
+    and have the same workers of studies.
     """
     is_slow = bool(config.getoption("--slow"))
     left_out = [item for item in items if bool(item.get_closest_marker("slow")) != is_slow]
@@ -107,7 +108,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     is_long = {name: any(item.get_closest_marker("long") for item in of) for name, of in modules.items()}
     n_workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     first = [name for name in modules if is_long[name]]
-    others = deque(name for name in modules if not is_long[name])
+    rooms = list(dict.fromkeys(map(_room, modules)))
+    others = deque(sorted((name for name in modules if not is_long[name]), key=lambda name: rooms.index(_room(name))))
     ordered: list[pytest.Item] = []
     for worker in range(n_workers):
         for name in first[worker::n_workers]:
@@ -115,6 +117,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         while others and (worker == n_workers - 1 or len(ordered) * n_workers < len(items) * (worker + 1)):
             ordered += modules[others.popleft()]
     items[:] = ordered
+
+
+def _room(module: str) -> str:
+    """Return the folder of ``tests`` in which a module is, or else the module."""
+    return "/".join(module.split("/")[:2])
 
 
 @pytest.hookimpl(tryfirst=True)

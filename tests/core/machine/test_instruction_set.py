@@ -94,6 +94,7 @@ def test_logs_do_not_depend_on_the_environment(tmp_path: Path) -> None:
 
 @needs_baseline
 @pytest.mark.long
+@pytest.mark.usefixtures("study_workers")
 def test_a_study_does_not_mix_instruction_sets(tmp_path: Path) -> None:
     words = ["ablate", "corridor_ccw", "--vary", "plane=plane.ica", "--gallery", "0", "-o", str(tmp_path / "s")]
     words += ["--set", "run.until_s=0.3"]
