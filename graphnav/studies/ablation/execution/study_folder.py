@@ -14,7 +14,7 @@ from typing import Self
 from graphnav import GraphnavError, UserError
 from graphnav.core.runner import SUMMARY, copies_of
 from graphnav.core.trust import read_plugin, remember, remember_written, request_of_plan
-from graphnav.studies.ablation.plan import RUNS, Plan, check_compatible
+from graphnav.studies.ablation.plan import RUNS, Plan, check_compatible, load_plan, save_plan
 
 _LOCK = ".lock"
 _SCRATCH = ".scratch"
@@ -106,7 +106,7 @@ class StudyFolder(LockedFolder):
             if (self.path / RUNS).exists():
                 check_compatible(old, plan, self.path)
         self.empty_scratch()
-        plan.write(written)
+        save_plan(plan, written)
         _remember(self.path, plan)
 
     def holds(self, place: str) -> bool:
@@ -160,7 +160,7 @@ def read_plan(folder: Path) -> Plan:
     """
     path = folder / PLAN
     try:
-        return Plan.read(path)
+        return load_plan(path)
     except FileNotFoundError as error:
         raise UserError.of(
             f"{folder} is not the folder of a study: there is no {PLAN}", "name one that has it"

@@ -2,6 +2,7 @@
 
 from graphnav.studies.ablation.plan.build_plan import CheckedStudy, check_study
 from graphnav.studies.ablation.plan.plan import RUNS, Case, Job, Plan
+from graphnav.studies.ablation.plan.plan_file import load_plan, save_plan
 from graphnav.studies.ablation.plan.provenance import check_compatible, difference_here, shows_same_drive, with_versions
 from graphnav.studies.ablation.plan.upstream import driving_stages
 
@@ -15,6 +16,8 @@ __all__ = [
     "check_study",
     "difference_here",
     "driving_stages",
+    "load_plan",
+    "save_plan",
     "shows_same_drive",
     "with_versions",
 ]

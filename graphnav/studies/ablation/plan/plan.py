@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
-from typing import Any
 
-from graphnav import Metric, Place, Role, shown_path
-from graphnav.core.graph import Override, Target, parse_override
-from graphnav.core.machine import read_json, write_atomically
-from graphnav.core.stage import Better
-from graphnav.studies.ablation.plan import former_plan
-from graphnav.studies.ablation.plan.check_types import check_types
+from graphnav import Metric, Role
+from graphnav.core.graph import Override
+from graphnav.core.stage import Better, unit_of
 from graphnav.studies.ablation.study import Decomposition, MetricExpression
 
 RUNS = "runs"
@@ -141,7 +134,7 @@ class Plan:
 
     def metric(self, name: str) -> Metric:
         """Return what is declared of ``stage.metric``."""
-        return self.declared.get(name) or former_plan.undeclared(name)
+        return self.declared.get(name) or _undeclared(name)
 
     def better(self, column: str) -> Better:
         """Return which values of a column are better; a difference or a ratio is better where its first metric is."""
@@ -189,85 +182,8 @@ class Plan:
         """Return the case of a graph and a variant."""
         return next(case for case in self.cases if (case.graph, case.variant) == (graph, variant))
 
-    def write(self, path: Path) -> None:
-        """Write it as JSON, atomically; the overrides of a case are a mapping of targets to values.
 
-        Raises
-        ------
-        GraphnavError
-            The disk refuses; an existing file is unchanged.
-        """
-        data = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        data["cases"] = [_case_json(case) for case in self.cases]
-        data["declared"] = {name: dataclasses.asdict(metric) for name, metric in self.declared.items()}
-        data["decomposition"] = self.decomposition and dataclasses.asdict(self.decomposition)
-        write_atomically(path, json.dumps(data, indent=1) + "\n")
-
-    @classmethod
-    def read(cls, path: Path) -> Plan:
-        """Read what `write` wrote, in this version or an earlier one.
-
-        Raises
-        ------
-        OSError, ValueError, KeyError, TypeError, AttributeError, UserError
-            It cannot be read, or is not a plan.
-        """
-        data: dict[str, Any] = former_plan.as_written_now(read_json(path))
-        data["declared"] = {name: _metric(declared) for name, declared in data["declared"].items()}
-        data["cases"] = tuple(_case(case, Place(shown_path(path))) for case in data["cases"])
-        if data.get("decomposition"):
-            data["decomposition"] = Decomposition(**data["decomposition"])
-        data["axes"] = {name: tuple(labels) for name, labels in data["axes"].items()}
-        plan = cls(**{key: _tuple(value) for key, value in data.items()})
-        check_types(plan)
-        _check_consistent(plan)
-        return plan
-
-
-def _check_consistent(plan: Plan) -> None:
-    """Raise ValueError or UserError unless the cases, metrics and seeds of a plan that was read refer to each other."""
-    known = {(case.graph, case.variant) for case in plan.cases}
-    graphs = {case.graph for case in plan.cases}
-    axes = {name: set(labels) for name, labels in plan.axes.items()}
-    is_clear = (
-        len(known) == len(plan.cases) > 0
-        and graphs == set(plan.graphs)
-        and graphs == {case.graph for case in plan.cases if case.is_base}
-        and all(case.labels.keys() == axes.keys() for case in plan.cases)
-        and all(label in axes[axis] for case in plan.cases for axis, label in case.labels.items())
-        and all(not case.same_as or (case.graph, case.same_as) in known for case in plan.cases)
-        and all(_is_below(case.folder) for case in plan.cases)
-        and all(0 <= seed < 2**32 for seed in plan.seeds)
-    )
-    if not is_clear:
-        raise ValueError("its cases do not agree with its graphs, axes or seeds")
-    for column in plan.metrics:
-        MetricExpression.parse(column)
-
-
-def _is_below(folder: str) -> bool:
-    """Return whether a relative path leads down from the folder that it begins at."""
-    return folder != "" and "\0" not in folder and not Path(folder).is_absolute() and ".." not in Path(folder).parts
-
-
-def _case_json(case: Case) -> dict[str, Any]:
-    data = {field.name: getattr(case, field.name) for field in dataclasses.fields(case)}
-    return data | {"overrides": {str(override.target): override.value for override in case.overrides}}
-
-
-def _case(data: dict[str, Any], place: Place) -> Case:
-    """Return a case of a plan; before 0.3.0 its overrides were strings for ``--set``."""
-    fields = {key: _tuple(value) for key, value in data.items()}
-    if "sets" in fields:
-        overrides = [parse_override(text, place) for text in fields.pop("sets")]
-    else:
-        overrides = [Override(Target.parse(key, place), value, place) for key, value in data["overrides"].items()]
-    return Case(**fields | {"overrides": tuple(overrides)})
-
-
-def _metric(declared: dict[str, Any]) -> Metric:
-    return Metric(**{key: _tuple(value) for key, value in declared.items()})
-
-
-def _tuple(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+def _undeclared(name: str) -> Metric:
+    """Return what is known of a metric that runs of version 0.1.0 report and its plan does not name."""
+    metric = name.partition(".")[2]
+    return Metric(metric, help="", unit=unit_of(metric).symbol, better="higher")

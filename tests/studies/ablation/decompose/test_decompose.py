@@ -10,6 +10,7 @@ from graphnav.core.errors import Problem, UserError
 from graphnav.core.graph import parse_overrides, without_replaced
 from graphnav.studies.ablation.decompose import decomposed_study
 from graphnav.studies.ablation.plan import Plan, check_study
+from graphnav.studies.ablation.plan.plan_file import load_plan, save_plan
 from graphnav.studies.ablation.results import losses
 from graphnav.studies.ablation.study import Study, study_of_command
 
@@ -130,8 +131,8 @@ def test_without_a_metric_of_frames_each_variant_drives_itself() -> None:
 
 
 def test_the_plan_is_kept_with_what_it_decomposes(plan: Plan, tmp_path: Path) -> None:
-    plan.write(tmp_path / "plan.json")
-    kept = Plan.read(tmp_path / "plan.json")
+    save_plan(plan, tmp_path / "plan.json")
+    kept = load_plan(tmp_path / "plan.json")
     assert kept.decomposition == plan.decomposition
     assert kept.cases == plan.cases
 

@@ -14,6 +14,7 @@ from graphnav.core.cli import main
 from graphnav.core.errors import UserError
 from graphnav.studies.ablation.execution.study_folder import read_plan
 from graphnav.studies.ablation.plan.plan import Plan
+from graphnav.studies.ablation.plan.plan_file import save_plan
 from graphnav.studies.ablation.results.records import read_records
 
 SUMMARY: dict[str, Any] = {
@@ -54,7 +55,7 @@ def _damaged(data: Any) -> Iterator[str]:
 
 @pytest.fixture
 def folder(tmp_path: Path, make_plan: Callable[..., Plan]) -> Path:
-    make_plan(metrics={"drive.success": "higher"}, seeds=(0,)).write(tmp_path / "plan.json")
+    save_plan(make_plan(metrics={"drive.success": "higher"}, seeds=(0,)), tmp_path / "plan.json")
     for variant in ("ica", "affine"):
         run = tmp_path / "corridor" / variant / "0"
         run.mkdir(parents=True)

@@ -14,6 +14,7 @@ import pytest
 
 from graphnav.core.cli import main
 from graphnav.studies.ablation.execution.study_folder import read_plan
+from graphnav.studies.ablation.plan.plan_file import save_plan
 
 Wait = Callable[[Callable[[], object]], None]
 
@@ -131,7 +132,7 @@ def test_a_default_that_has_changed_is_refused(study: Any, capsys: pytest.Captur
 def test_other_versions_are_refused(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
     study.run(seeds="0:1")
     plan = read_plan(study.out)
-    dataclasses.replace(plan, versions={**plan.versions, "numpy": "0.9"}).write(study.out / "plan.json")
+    save_plan(dataclasses.replace(plan, versions={**plan.versions, "numpy": "0.9"}), study.out / "plan.json")
     assert f"were made with another numpy: 0.9, now {plan.versions['numpy']}\n" in refused(study, capsys)
 
 

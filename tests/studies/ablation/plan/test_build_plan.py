@@ -13,6 +13,7 @@ from graphnav.core.graph import load_graph, parse_override, parse_overrides, res
 from graphnav.core.spec import write_value
 from graphnav.studies.ablation.plan.build_plan import check_study
 from graphnav.studies.ablation.plan.plan import Plan
+from graphnav.studies.ablation.plan.plan_file import load_plan, save_plan
 from graphnav.studies.ablation.study.command_line import study_of_command
 from graphnav.studies.ablation.study.vary import parse_varies
 
@@ -172,8 +173,8 @@ def test_a_plan_reads_back_as_it_was_written(plan: MakePlan, tmp_path: Path) -> 
         plugins=[Path("mine.py")],
         names=("loop", "chain"),
     )
-    made.write(tmp_path / "plan.json")
-    assert Plan.read(tmp_path / "plan.json") == made
+    save_plan(made, tmp_path / "plan.json")
+    assert load_plan(tmp_path / "plan.json") == made
     assert made.plugins == (str(tmp_path / "mine.py"),)
     assert made.command == "graphnav ablate ..."
     assert made.versions["python"]
@@ -183,8 +184,8 @@ def test_the_smallest_difference_that_matters_is_the_first_metrics(plan: MakePla
     made = plan("plane=toy.detector,judge.blind")
     smallest = {"sight.right": 0.1, "sight.wrong": 0.2}
     declared = {name: replace(made.metric(name), min_difference=value) for name, value in smallest.items()}
-    replace(made, declared=declared).write(tmp_path / "plan.json")
-    read = Plan.read(tmp_path / "plan.json")
+    save_plan(replace(made, declared=declared), tmp_path / "plan.json")
+    read = load_plan(tmp_path / "plan.json")
     columns = ("sight.right", "sight.wrong - sight.right", "sight.wrong / sight.right", "sight.never")
     assert [read.min_difference(column) for column in columns] == [0.1, 0.2, 0.0, 0.0]
 
@@ -254,18 +255,18 @@ def test_a_detector_of_ones_own_gets_its_cases(tmp_path: Path, monkeypatch: pyte
 
 def test_a_plan_holds_overrides_as_data(plan: MakePlan, tmp_path: Path) -> None:
     made = plan("plane=toy.detector,judge.blind", sets=["robot.noise_px=1e0"])
-    made.write(tmp_path / "plan.json")
+    save_plan(made, tmp_path / "plan.json")
     data = json.loads((tmp_path / "plan.json").read_text())
     assert data["cases"][1]["overrides"] == {"robot.noise_px": 1.0, "plane": "judge.blind"}
 
 
 def test_plans_of_earlier_versions_are_read(plan: MakePlan, tmp_path: Path) -> None:
     made = plan("plane=toy.detector,judge.blind", sets=["robot.noise_px=1.5", "flow.layers=2"])
-    made.write(tmp_path / "plan.json")
+    save_plan(made, tmp_path / "plan.json")
     data = json.loads((tmp_path / "plan.json").read_text())
     for case in data["cases"]:
         case["sets"] = [f"{target}={write_value(value)}" for target, value in case.pop("overrides").items()]
     for metric in data["declared"].values():
         assert metric.pop("min_difference") == 0.0
     (tmp_path / "plan.json").write_text(json.dumps(data))
-    assert Plan.read(tmp_path / "plan.json") == made
+    assert load_plan(tmp_path / "plan.json") == made
