@@ -5,7 +5,7 @@ from .describe import describe_type, nested_types, summary_of_type
 from .jar import types_jar
 from .java import write_java
 from .lcm_files import file_of_lcm
-from .load_types import load_types
+from .named_types import load_types
 
 __all__ = [
     "definition_files",

@@ -1,6 +1,6 @@
 """``plan.json``: written, and read in this version or an earlier one.
 
-No `Record` declares it: graphnav writes it and nobody edits it, so it needs no reference page, no JSON Schema and no
+No `Record` declares it: graphnav writes it and no user edits it, so it needs no reference page, no JSON Schema and no
 advice by key. The annotations of the dataclasses that it holds are the declaration, and are checked.
 """
 
