@@ -11,7 +11,7 @@ from contextlib import chdir
 from pathlib import Path
 
 from graphnav.core.catalog import Catalog
-from graphnav.watch.spy import Feed
+from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen import SpyApp, watch_of
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
 from graphnav.watch.spy.screen.channel_table import ChannelTable

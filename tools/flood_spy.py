@@ -17,7 +17,7 @@ from graphnav.core.bus import Bus
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Message, Status, Stop, Twist
-from graphnav.watch.spy import Feed
+from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen import SpyApp
 from graphnav.watch.spy.watch.live_watch import LiveWatch
 

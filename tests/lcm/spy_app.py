@@ -17,7 +17,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode, lcm_name
 from graphnav.core.messages import About, Flow, Image, Message, Plane, State, Twist
 from graphnav.core.record import ABOUT, LogWriter
-from graphnav.watch.spy import Feed
+from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen import SpyApp, watch_of
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
 from graphnav.watch.spy.screen.channel_table import ChannelTable

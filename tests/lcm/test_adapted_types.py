@@ -12,8 +12,7 @@ import pytest
 from graphnav import Adapter, Image, Twist
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import codec_of, lcm_name, lcm_text_of, type_named, type_of
-from graphnav.watch.spy import Traffic
-from graphnav.watch.spy.feed import Received
+from graphnav.watch.feed import Received, Watch
 
 NAME = "bot_core.image_t"
 
@@ -27,8 +26,8 @@ def picture() -> bytes:
 
 
 def test_spy_decodes_what_an_installed_adapter_explains(picture: bytes) -> None:
-    traffic = Traffic()
-    channel = traffic.receive(Received("CAMERA", picture, 0.0))
+    watch = Watch()
+    channel = watch.receive(Received("CAMERA", picture, 0.0))
     assert channel.type_name == NAME
     assert channel.values is not None
     assert (channel.values["width"], channel.values["height"], channel.values["utime"]) == (3, 2, 7)

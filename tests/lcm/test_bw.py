@@ -17,7 +17,7 @@ from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.messages import Twist
 from graphnav.core.record import LogWriter
-from graphnav.watch.spy import Received, Traffic
+from graphnav.watch.feed import Received, Watch
 
 
 @pytest.fixture
@@ -35,11 +35,11 @@ def log(tmp_path: Path) -> Path:
 
 @given(st.lists(st.tuples(st.floats(0.001, 1), st.integers(0, 10_000)), min_size=2, max_size=50))
 def test_the_bandwidth_is_what_comes_after_the_first(messages: list[tuple[float, int]]) -> None:
-    traffic = Traffic()
+    watch = Watch()
     at_s = 0.0
     for step_s, size in messages:
         at_s += step_s
-        channel = traffic.receive(Received("x", bytes(size), at_s))
+        channel = watch.receive(Received("x", bytes(size), at_s))
     assert channel.bytes_per_s == pytest.approx(sum(n for _, n in messages[1:]) / sum(s for s, _ in messages[1:]))
     sizes = channel.sizes
     assert (sizes.min_bytes, sizes.max_bytes) == (min(n for _, n in messages), max(n for _, n in messages))
@@ -48,9 +48,9 @@ def test_the_bandwidth_is_what_comes_after_the_first(messages: list[tuple[float,
 
 def test_a_live_bandwidth_forgets_after_ten_seconds() -> None:
     now_s = 29.9
-    traffic = Traffic(lambda: now_s)
+    watch = Watch(lambda: now_s)
     for k in range(300):
-        channel = traffic.receive(Received("x", bytes(1000 if k < 150 else 10), 0.1 * k))
+        channel = watch.receive(Received("x", bytes(1000 if k < 150 else 10), 0.1 * k))
     assert channel.sizes.max_bytes == 10
     assert channel.bytes_per_s == pytest.approx(100)
     now_s = 31.0

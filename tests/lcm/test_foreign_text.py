@@ -25,7 +25,7 @@ from graphnav.core.messages import About, Status, Twist
 from graphnav.core.notices import print_notice
 from graphnav.core.record import ABOUT, LogWriter
 from graphnav.core.tap import Tap
-from graphnav.watch.spy import Feed
+from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen import SpyApp
 from graphnav.watch.spy.watch.live_watch import LiveWatch
 

@@ -12,7 +12,7 @@ from graphnav.core.bus import GROUP
 from graphnav.core.cli import main
 from graphnav.core.errors import UserError
 from graphnav.core.lcm_url import lcm_url, tap_url
-from graphnav.watch.spy import Feed
+from graphnav.watch.feed import Feed
 
 _BUFFER = "&recv_buf_size=2097152"
 

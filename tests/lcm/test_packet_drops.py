@@ -12,8 +12,8 @@ import pytest
 
 from graphnav.core.bus import Bus
 from graphnav.core.errors import UserError
-from graphnav.watch.recorder.listener import Listener
-from graphnav.watch.spy import Feed, Received, Traffic, as_json, drops_of
+from graphnav.watch.feed import Feed, LiveFeed, Received, Watch, drops_of
+from graphnav.watch.spy import as_json
 from graphnav.watch.spy.watch.live_watch import LiveWatch
 
 DROPPED = b"LC02\0\0\0\1"
@@ -62,18 +62,18 @@ def test_a_feed_tells_it_also_after_its_end(group: str) -> None:
         send(group, DROPPED)
         until(lambda: feed.dropped_packets() == 2)
     assert drops_of(feed) == "2 packets dropped by the kernel"
-    assert as_json(Traffic(), feed)["dropped_packets"] == 2
+    assert as_json(Watch(), feed)["dropped_packets"] == 2
 
 
 def test_a_channel_that_is_not_heard_may_be_what_was_dropped(group: str) -> None:
-    feed, traffic = Feed(group), Traffic()
-    traffic.receive(Received("control.twist", b"", 0.0))
+    feed, watch = Feed(group), Watch()
+    watch.receive(Received("control.twist", b"", 0.0))
     with closing(feed.listen(None)) as received:
         next(received)
         send(group, DROPPED)
         until(lambda: feed.dropped_packets() == 1)
         with pytest.raises(UserError) as raised:
-            traffic.find("BIG", feed, None)
+            watch.find("BIG", feed, None)
     assert str(raised.value) == (
         f"{group} has no channel 'BIG'\n  channels are control.twist\n"
         "  1 packet dropped by the kernel, perhaps of this channel: run 'graphnav doctor'"
@@ -99,7 +99,8 @@ def test_the_heading_of_the_spy_says_it_within_80_columns(group: str) -> None:
 
 
 def test_record_counts_it(group: str) -> None:
-    listener = Listener(group, lambda *_: None)
+    listener = LiveFeed(Feed(group), lambda _: None)
+    listener.open()
     send(group, DROPPED)
     until(lambda: listener.dropped_packets() == 1)
     listener.start()

@@ -22,7 +22,8 @@ from graphnav.core.codec import encode, lcm_name
 from graphnav.core.messages import About, Flow, Message, State, Twist
 from graphnav.core.record import ABOUT, LogWriter
 from graphnav.core.tap import Tap
-from graphnav.watch.spy import Feed, Traffic, as_text
+from graphnav.watch.feed import Feed, Watch
+from graphnav.watch.spy import as_text
 
 TYPES: dict[str, type[Message]] = {"flow.flow": Flow, "control.twist": Twist, "robot.state": State}
 SAID = About("stages: {}\n", "", "", 7, tuple(TYPES), tuple(lcm_name(m.lcm_class) for m in TYPES.values()))
@@ -88,11 +89,11 @@ def test_spy_lists_the_channels_of_a_log(log: Path, capsys: pytest.CaptureFixtur
 
 
 def test_without_fields_there_is_a_line_for_each_channel(log: Path) -> None:
-    feed, traffic = Feed(str(log)), Traffic()
+    feed, watch = Feed(str(log)), Watch()
     for received in feed.listen(None):
         assert received is not None
-        traffic.receive(received)
-    lines = as_text(traffic, "heading", with_fields=False).plain.splitlines()
+        watch.receive(received)
+    lines = as_text(watch, "heading", with_fields=False).plain.splitlines()
     assert [line.split("  ")[0] for line in lines] == ["heading", *sorted([ABOUT, *TYPES])]
 
 

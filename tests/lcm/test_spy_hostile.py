@@ -1,4 +1,4 @@
-"""Hostile traffic: whatever comes over the network is counted, shown as text, and neither crashes nor fills memory."""
+"""Hostile watch: whatever comes over the network is counted, shown as text, and neither crashes nor fills memory."""
 
 from __future__ import annotations
 
@@ -18,11 +18,9 @@ from graphnav.core.bus import Bus
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode
 from graphnav.core.messages import Flow, Image, Map, Message, Plane, State, Status, Steering
-from graphnav.watch.spy import Feed, Received, Traffic
+from graphnav.watch.feed import MAX_CHANNELS, Feed, Received, Watch
 from graphnav.watch.spy.screen import SpyApp
-from graphnav.watch.spy.traffic import MAX_CHANNELS
 from graphnav.watch.spy.watch.live_watch import LiveWatch
-from graphnav.watch.spy.watch.watch import Memory
 
 from .spy_app import until
 
@@ -62,20 +60,20 @@ def mutated(rng: random.Random) -> tuple[str, bytes]:
 @pytest.mark.long
 def test_every_message_is_counted_and_memory_stays_bounded() -> None:
     rng = random.Random(7)
-    memory = Memory(Traffic(lambda: 0.0))
+    watch = Watch(lambda: 0.0)
     sizes = []
     tracemalloc.start()
     for part in range(3):
         for k in range(8000):
             name, data = mutated(rng)
-            memory.receive(Received(name, data, part * 8000 + k))
+            watch.receive(Received(name, data, part * 8000 + k))
         sizes.append(tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
-    traffic, channels = memory.traffic, memory.traffic.channels
+    channels = watch.channels
     assert len(channels) <= MAX_CHANNELS
-    assert sum(channel.count for channel in channels.values()) + traffic.overflow == traffic.count == 24_000
+    assert sum(channel.count for channel in channels.values()) + watch.overflow == watch.count == 24_000
     undecodable = sum(channel.undecodable for channel in channels.values())
-    assert 4000 < undecodable <= traffic.undecodable <= undecodable + traffic.overflow
+    assert 4000 < undecodable <= watch.undecodable <= undecodable + watch.overflow
     for channel in channels.values():
         assert channel.values is None or isinstance(channel.values, dict)
     assert sizes[2] - sizes[1] < 2_000_000

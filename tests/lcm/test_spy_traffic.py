@@ -12,8 +12,8 @@ from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Twist
 from graphnav.core.record import ABOUT, LogWriter
-from graphnav.watch.spy import Feed, Received, Traffic, as_text
-from graphnav.watch.spy.announcements import RUN_SILENT_S
+from graphnav.watch.feed import RUN_SILENT_S, Feed, Received, Watch
+from graphnav.watch.spy import as_text
 
 NASTY = "x\nALL IS WELL\x1b[2J"
 SHOWN = r"x\nALL IS WELL\x1b[2J"
@@ -26,53 +26,53 @@ def twist_at(k: int, period_us: int = 100_000) -> bytes:
 
 
 def test_the_rate_is_that_of_the_stamps() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k in range(21):
-        traffic.receive(Received("x", twist_at(k), 7 * k))
-    channel = traffic.channels["x"]
+        watch.receive(Received("x", twist_at(k), 7 * k))
+    channel = watch.channels["x"]
     assert channel.rate_hz == pytest.approx(10)
     assert channel.wall_rate_hz == pytest.approx(1 / 7)
     assert channel.type_name == "graphnav_lcm.twist_t"
 
 
 def test_lost_messages_are_counted_and_leave_the_rate_as_it_is() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k in (5, 6, 9, 10, 14):
-        traffic.receive(Received("x", twist_at(k), k))
-    assert traffic.channels["x"].lost == 5
-    assert traffic.channels["x"].rate_hz == pytest.approx(10)
+        watch.receive(Received("x", twist_at(k), k))
+    assert watch.channels["x"].lost == 5
+    assert watch.channels["x"].rate_hz == pytest.approx(10)
 
 
 def test_a_new_run_resets_the_count() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k in (500, 501, 502, 0, 1, 2):
-        traffic.receive(Received("x", twist_at(k), k))
-    assert traffic.channels["x"].lost == 0
-    assert traffic.channels["x"].rate_hz == pytest.approx(10)
-    assert traffic.channels["x"].count == 6
+        watch.receive(Received("x", twist_at(k), k))
+    assert watch.channels["x"].lost == 0
+    assert watch.channels["x"].rate_hz == pytest.approx(10)
+    assert watch.channels["x"].count == 6
 
 
 def test_a_jump_of_the_numbers_is_a_new_numbering() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k in (0, 1, 4, 2**40, 2**40 + 1):
-        traffic.receive(Received("x", encode(Twist(0.1, 0.2), 0, k), 0))
-    assert traffic.channels["x"].lost == 0
+        watch.receive(Received("x", encode(Twist(0.1, 0.2), 0, k), 0))
+    assert watch.channels["x"].lost == 0
 
 
 def test_two_writers_in_turn_lose_nothing_and_have_a_rate() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k in range(20):
-        traffic.receive(Received("x", encode(Twist(0.1, 0.2), 100_000 * k, 1000 * (k % 2) + k // 2), 0.1 * k))
-    channel = traffic.channels["x"]
+        watch.receive(Received("x", encode(Twist(0.1, 0.2), 100_000 * k, 1000 * (k % 2) + k // 2), 0.1 * k))
+    channel = watch.channels["x"]
     assert channel.lost == 0
     assert channel.rate_hz == pytest.approx(10)
 
 
 def test_a_sender_that_does_not_number_has_a_rate() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k in range(21):
-        traffic.receive(Received("x", encode(Twist(0.1, 0.2), 100_000 * k, 0), k))
-    channel = traffic.channels["x"]
+        watch.receive(Received("x", encode(Twist(0.1, 0.2), 100_000 * k, 0), k))
+    channel = watch.channels["x"]
     assert channel.rate_hz == pytest.approx(10)
     assert channel.published is not None
     assert channel.published.n == 21
@@ -80,36 +80,36 @@ def test_a_sender_that_does_not_number_has_a_rate() -> None:
 
 
 def test_a_repeated_message_has_no_rate_of_stamps() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k in range(5):
-        traffic.receive(Received("x", twist_at(3), k))
-    channel = traffic.channels["x"]
+        watch.receive(Received("x", twist_at(3), k))
+    channel = watch.channels["x"]
     assert (channel.rate_hz, channel.lost) == (None, 0)
 
 
 def test_what_cannot_be_decoded_is_counted() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for data in (twist_at(0), twist_at(1)[:-1], b"", bytes(40), twist_at(2)):
-        traffic.receive(Received("x", data, 0))
+        watch.receive(Received("x", data, 0))
     for data in (b"garbage", encode(SAID, 0, 0)[:-5]):
-        traffic.receive(Received(ABOUT, data, 0))
-    assert traffic.channels["x"].undecodable == 3
-    assert traffic.channels["x"].count == 5
-    assert traffic.channels[ABOUT].undecodable == 2
+        watch.receive(Received(ABOUT, data, 0))
+    assert watch.channels["x"].undecodable == 3
+    assert watch.channels["x"].count == 5
+    assert watch.channels[ABOUT].undecodable == 2
 
 
 def test_one_message_has_no_rate() -> None:
-    traffic = Traffic()
-    traffic.receive(Received("x", twist_at(3), 0))
-    assert traffic.channels["x"].rate_hz is None
+    watch = Watch()
+    watch.receive(Received("x", twist_at(3), 0))
+    assert watch.channels["x"].rate_hz is None
 
 
 def test_rates_are_those_of_the_last_ten_seconds() -> None:
-    traffic = Traffic(lambda: 60.0)
+    watch = Watch(lambda: 60.0)
     for k in range(400):  # 10 Hz for 20 s, then every 0.2 s for 40 s
         at_s = 0.1 * k if k < 200 else 20 + 0.2 * (k - 200)
-        traffic.receive(Received("x", twist_at(k), at_s))
-    channel = traffic.channels["x"]
+        watch.receive(Received("x", twist_at(k), at_s))
+    channel = watch.channels["x"]
     assert channel.wall_rate_hz == pytest.approx(5)
     assert channel.rate_hz == pytest.approx(10)
     assert channel.arriving is not None
@@ -118,10 +118,10 @@ def test_rates_are_those_of_the_last_ten_seconds() -> None:
 
 
 def test_periods_leave_out_what_was_lost() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k, period_us in ((0, 100_000), (1, 90_000), (2, 105_000), (5, 100_000), (6, 100_000)):
-        traffic.receive(Received("x", twist_at(k, period_us), k))
-    periods = traffic.channels["x"].published
+        watch.receive(Received("x", twist_at(k, period_us), k))
+    periods = watch.channels["x"].published
     assert periods is not None
     steps = [0.09, 0.12, 0.1]
     assert periods.min_s == pytest.approx(min(steps))
@@ -133,10 +133,10 @@ def test_periods_leave_out_what_was_lost() -> None:
 
 def test_a_channel_that_stops_is_silent_and_has_no_rate() -> None:
     now_s = 2.0
-    traffic = Traffic(lambda: now_s)
+    watch = Watch(lambda: now_s)
     for k in range(21):
-        traffic.receive(Received("x", twist_at(k), 0.1 * k))
-    channel = traffic.channels["x"]
+        watch.receive(Received("x", twist_at(k), 0.1 * k))
+    channel = watch.channels["x"]
     assert not channel.is_silent
     assert channel.silent_s == pytest.approx(0)
     now_s = 5.2
@@ -144,18 +144,18 @@ def test_a_channel_that_stops_is_silent_and_has_no_rate() -> None:
     assert channel.silent_s == pytest.approx(3.2)
     assert channel.rate_hz is None
     assert channel.wall_rate_hz is None
-    text = as_text(traffic, "heading", with_fields=False).plain
+    text = as_text(watch, "heading", with_fields=False).plain
     assert text == "heading\nx  graphnav_lcm.twist_t, no new messages for 3.2 s, 40 B, 21 messages"
-    traffic.receive(Received("x", twist_at(21), 5.2))
+    watch.receive(Received("x", twist_at(21), 5.2))
     assert not channel.is_silent
 
 
 def test_a_slow_channel_is_silent_after_three_of_its_periods() -> None:
     now_s = 22.9
-    traffic = Traffic(lambda: now_s)
+    watch = Watch(lambda: now_s)
     for k in range(9):
-        traffic.receive(Received("x", twist_at(k), 2.0 * k))
-    channel = traffic.channels["x"]
+        watch.receive(Received("x", twist_at(k), 2.0 * k))
+    channel = watch.channels["x"]
     now_s = 21.9
     assert not channel.is_silent
     now_s = 22.1
@@ -175,21 +175,21 @@ def test_a_name_stays_on_its_line(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 
 def test_the_rate_of_arrivals_stands_beside_that_of_the_stamps() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for k in range(5):
-        traffic.receive(Received("x", twist_at(k), 0.02 * k))
-    said = as_text(traffic, "", with_fields=False).plain
+        watch.receive(Received("x", twist_at(k), 0.02 * k))
+    said = as_text(watch, "", with_fields=False).plain
     assert said == "\nx  graphnav_lcm.twist_t, 10.00 Hz (arriving at 50.00 Hz), 40 B, 5 messages"
 
 
 def test_a_run_has_ended_once_it_and_the_channel_are_silent() -> None:
-    traffic = Traffic(lambda: 0.0)
-    assert traffic.ended_run("twist", 99.0) is None, "other programs may send at any time"
-    traffic.receive(Received(ABOUT, encode(replace(SAID, run_id="run-a"), 0, 0), 1.0))
-    traffic.receive(Received("twist", twist_at(0), 2.0))
-    assert traffic.ended_run("twist", 2.0 + RUN_SILENT_S - 0.1) is None
-    assert traffic.ended_run("twist", 2.0 + RUN_SILENT_S) == "run-a"
-    assert traffic.ended_run("flow", 1.0 + RUN_SILENT_S) == "run-a"
+    watch = Watch(lambda: 0.0)
+    assert watch.ended_run("twist", 99.0) is None, "other programs may send at any time"
+    watch.receive(Received(ABOUT, encode(replace(SAID, run_id="run-a"), 0, 0), 1.0))
+    watch.receive(Received("twist", twist_at(0), 2.0))
+    assert watch.ended_run("twist", 2.0 + RUN_SILENT_S - 0.1) is None
+    assert watch.ended_run("twist", 2.0 + RUN_SILENT_S) == "run-a"
+    assert watch.ended_run("flow", 1.0 + RUN_SILENT_S) == "run-a"
 
 
 def test_echo_ends_when_nothing_comes(group: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -198,10 +198,10 @@ def test_echo_ends_when_nothing_comes(group: str, capsys: pytest.CaptureFixture[
 
 
 def test_what_was_received_meanwhile_is_named() -> None:
-    traffic, feed = Traffic(lambda: 0.0), Feed("udpm://239.255.76.67:7667?ttl=0")
+    watch, feed = Watch(lambda: 0.0), Feed("udpm://239.255.76.67:7667?ttl=0")
     for k in range(14):
-        traffic.receive(Received(f"c{k:02d}", twist_at(k), 0.1 * k))
-    said = str(traffic.silence("twist", feed, 2.0)).splitlines()
+        watch.receive(Received(f"c{k:02d}", twist_at(k), 0.1 * k))
+    said = str(watch.silence("twist", feed, 2.0)).splitlines()
     assert said == [
         f"no message on channel 'twist' of {feed.name} within 2 s",
         "  received: c00, c01, c02, c03, c04, c05, c06, c07, c08, c09, c10, c11 and 2 more",

@@ -27,8 +27,8 @@ from graphnav.core.codec import encode
 from graphnav.core.machine.console import Console
 from graphnav.core.messages import About, GuardState, Message, Status
 from graphnav.core.record import ABOUT, LogWriter
-from graphnav.watch.spy import Health, Received, health_as_json, health_as_text
-from graphnav.watch.spy.announcements import MAX_RUNS
+from graphnav.watch.feed import MAX_RUNS, Health, Received
+from graphnav.watch.spy import health_as_json, health_as_text
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 STAGE = {

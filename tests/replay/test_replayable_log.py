@@ -18,8 +18,8 @@ from graphnav.core.record import LogWriter, Recording
 from graphnav.core.runner.recording import full_log
 from graphnav.replay import completed_log
 from graphnav.watch.commands.listening import complete
-from graphnav.watch.spy import Feed
-from graphnav.watch.view import LogSource
+from graphnav.watch.feed import Feed
+from graphnav.watch.view import PageFeed
 from graphnav.watch.view.content.page_state import state_of
 
 BEFORE = "run/run.lcmlog does not hold its large messages: an earlier replay kept them in the cache\n"
@@ -90,11 +90,12 @@ def test_the_page_of_view_gets_what_a_full_log_holds(run: Run) -> None:
     for option, folder in (("replayable", "run"), ("all", "full")):
         run("--record", option, folder=folder)
         feed = complete(Feed(folder), Catalog(), [])
-        source = LogSource(feed.path, feed.open_log())
+        source = PageFeed(feed)
+        assert source.log is not None
         newest = []
         for at_s in (0.35, 1.0):
-            source.seek(at_s)
-            channels = source.watch.channels.items()
+            source.log.seek(at_s)
+            channels = source.state.watch.channels.items()
             newest.append({name: one.newest and one.newest.data for name, one in channels})
         shown.append((state_of(source, None), newest))
         source.start()

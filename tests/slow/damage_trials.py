@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.core.cli import main
-from graphnav.core.errors import LogError
+from graphnav.core.errors import GraphnavError
 from graphnav.core.record import Recording
-from graphnav.watch.view.log_source import LogSource
+from graphnav.watch.feed import Feed
+from graphnav.watch.view import PageFeed
 
 from .small_logs import STAGES
 
@@ -119,7 +120,7 @@ def lost_of(log: Path) -> list[str] | None:
     try:
         with Recording(log) as recording:
             return [*map(str, recording.damaged), *([str(recording.truncated)] if recording.truncated else [])]
-    except LogError:
+    except GraphnavError:
         return None
 
 
@@ -151,17 +152,18 @@ def _read_again(log: Path) -> int:
 def _view(log: Path) -> int:
     """Play a log as the page does: to its end, back, and step by step."""
     try:
-        source = LogSource(log)
-    except LogError as error:
+        source = PageFeed(Feed(str(log)))
+    except GraphnavError as error:
         print(error)
         return 2
     source.start()
     try:
         with source.lock:
-            source.seek(source.length_s)
-            source.step(-1, None)
-            source.step(1, None)
-            source.seek(0.0)
+            assert source.log is not None
+            source.log.seek(source.log.length_s)
+            source.log.step(-1, None)
+            source.log.step(1, None)
+            source.log.seek(0.0)
     finally:
         source.close()
     print(source.damage)

@@ -10,7 +10,7 @@ from graphnav.watch.commands import channel_report
 
 if TYPE_CHECKING:
     from graphnav.core.tables import Table
-    from graphnav.watch.spy import ChannelTraffic, Traffic
+    from graphnav.watch.feed import Watch, WatchedChannel
 
 _KEYS = """\
   type, messages, lost    as in spy: messages received, and missing by their sequence numbers
@@ -30,7 +30,7 @@ def main(args: argparse.Namespace) -> int:
     return channel_report.report(args, _line, _table, sizes_as_json)
 
 
-def _line(channel: ChannelTraffic) -> str:
+def _line(channel: WatchedChannel) -> str:
     """Return the output of ``ros2 topic bw`` in one line."""
     from graphnav.core.errors import shown_name
     from graphnav.watch.spy import silence_of, size_of
@@ -41,15 +41,15 @@ def _line(channel: ChannelTraffic) -> str:
     return f"{shown_name(channel.name)}  {rate}, {bounds} max: {size_of(sizes.max_bytes)} window: {sizes.n}"
 
 
-def _table(traffic: Traffic) -> Table:
+def _table(watch: Watch) -> Table:
     from graphnav.core.errors import shown_name
     from graphnav.core.tables import plain_table
     from graphnav.watch.spy import size_of
 
     rows = list[tuple[str, ...]]()
     total = 0.0
-    for name in sorted(traffic.channels):
-        channel = traffic.channels[name]
+    for name in sorted(watch.channels):
+        channel = watch.channels[name]
         if not channel.count:
             rows.append((shown_name(name), "", "", "", "", "0", "not received"))
             continue

@@ -13,7 +13,7 @@ from graphnav.watch.commands.listening import TIMEOUT_S, ReportTimes, Timeout
 
 if TYPE_CHECKING:
     from graphnav.core.tables import Table
-    from graphnav.watch.spy import ChannelTraffic, Feed, Traffic
+    from graphnav.watch.feed import Feed, Watch, WatchedChannel
 
 _JSON_S = 2.5
 
@@ -38,9 +38,9 @@ def json_keys(keys: str) -> str:
 
 def report(
     args: argparse.Namespace,
-    line: Callable[[ChannelTraffic], str],
-    table: Callable[[Traffic], Table],
-    as_json: Callable[[ChannelTraffic], dict[str, Any]],
+    line: Callable[[WatchedChannel], str],
+    table: Callable[[Watch], Table],
+    as_json: Callable[[WatchedChannel], dict[str, Any]],
 ) -> int:
     """Run a command that prints a line for one channel, a table of all, or either as JSON.
 
@@ -50,49 +50,49 @@ def report(
     from graphnav.core.notices import print_notice
     from graphnav.core.tables import print_folded
     from graphnav.watch.commands.listening import complete
-    from graphnav.watch.spy import MAX_CHANNELS, Feed, Traffic
+    from graphnav.watch.feed import MAX_CHANNELS, Feed, Watch
 
     catalog = catalog_of(args)
     load_types_of(args, catalog)
     name, source = channel_and_feed(args)
     feed = complete(Feed(source), catalog, args.plugins, None if name is None else [name])
-    traffic = Traffic(feed.clock, name)
+    watch = Watch(feed.clock, name)
     for_s = _JSON_S if args.json and args.for_s is None else args.for_s
-    times, timeout = ReportTimes(for_s), Timeout(args.timeout_s, feed, traffic, name)
+    times, timeout = ReportTimes(for_s), Timeout(args.timeout_s, feed, watch, name)
     for received in feed.listen(for_s):
         if received is not None:
-            traffic.receive(received)
+            watch.receive(received)
             if name in {None, received.channel}:
                 timeout.note()
-            if name is None and traffic.overflow == 1:
+            if name is None and watch.overflow == 1:
                 print_notice(f"only the first {MAX_CHANNELS} channels are measured")
             continue
         if name is not None:
-            traffic.check(name, feed)
+            watch.check(name, feed)
         timeout.check()
         if args.json or not times.is_due():
             continue
-        if name is None and traffic.channels:
-            print_folded(table(traffic))
-        elif name is not None and name in traffic.channels and traffic.channels[name].count:
-            print(line(traffic.channels[name]), flush=True)
+        if name is None and watch.channels:
+            print_folded(table(watch))
+        elif name is not None and name in watch.channels and watch.channels[name].count:
+            print(line(watch.channels[name]), flush=True)
     if name is not None:
-        channels = {name: traffic.find(name, feed, for_s)}
-    elif not traffic.channels:
+        channels = {name: watch.find(name, feed, for_s)}
+    elif not watch.channels:
         raise feed.silence(for_s)
     else:
-        channels = traffic.channels
-    _print_end(args, feed, channels, line, table(traffic) if name is None else None, as_json)
+        channels = watch.channels
+    _print_end(args, feed, channels, line, table(watch) if name is None else None, as_json)
     return OK
 
 
 def _print_end(
     args: argparse.Namespace,
     feed: Feed,
-    channels: Mapping[str, ChannelTraffic],
-    line: Callable[[ChannelTraffic], str],
+    channels: Mapping[str, WatchedChannel],
+    line: Callable[[WatchedChannel], str],
     table: Table | None,
-    as_json: Callable[[ChannelTraffic], dict[str, Any]],
+    as_json: Callable[[WatchedChannel], dict[str, Any]],
 ) -> None:
     """Print the last report: of one channel a line, of all a table, either as JSON."""
     from graphnav.core.tables import print_folded

@@ -14,7 +14,7 @@ from graphnav.core.parameters import OneOf, command, flag, many
 from graphnav.watch.commands.listening import TIMEOUT_S, Timeout
 
 if TYPE_CHECKING:
-    from graphnav.watch.spy import Feed, Traffic
+    from graphnav.watch.feed import Feed, Watch
 
 _HINT_S = 3.0
 """A longer silence of the channel is reported, once."""
@@ -54,9 +54,10 @@ examples:
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav import Place, UserError
+    from graphnav.core.fields import Selection, parse_field
     from graphnav.watch.commands.echo_formats import CsvRows, EchoedMessage, JsonLines, Lines
     from graphnav.watch.commands.listening import complete
-    from graphnav.watch.spy import Feed, Selection, Traffic, parse_field
+    from graphnav.watch.feed import Feed, Watch
 
     if args.csv and args.full:
         raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))
@@ -64,24 +65,24 @@ def main(args: argparse.Namespace) -> int:
     catalog = catalog_of(args)
     load_types_of(args, catalog)
     feed = complete(Feed(args.feed), catalog, args.plugins, [args.channel])
-    traffic = Traffic(feed.clock, args.channel)
+    watch = Watch(feed.clock, args.channel)
     form = Lines if not args.jsonl else JsonLines
     printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)
-    wait = _Wait(args, feed, traffic)
+    wait = _Wait(args, feed, watch)
     for received in feed.listen(args.for_s):
         if received is None:
-            traffic.check(args.channel, feed)
+            watch.check(args.channel, feed)
             if wait.is_over():
                 break
             continue
-        channel = traffic.receive(received)
+        channel = watch.receive(received)
         if received.channel == args.channel:
             values = channel.values if channel.decodes else None
             wait.note(printer.show(EchoedMessage(received, channel.type_name, channel.lcm_class, values)))
             if wait.n_printed == args.count:
                 break
     else:
-        traffic.find(args.channel, feed, args.for_s)
+        watch.find(args.channel, feed, args.for_s)
     printer.close()
     return FAILED if wait.is_cut_short else OK
 
@@ -89,12 +90,12 @@ def main(args: argparse.Namespace) -> int:
 class _Wait:
     """Waits for the messages of a live channel: until ``--timeout``, or until the run that sends it has ended."""
 
-    def __init__(self, args: argparse.Namespace, feed: Feed, traffic: Traffic) -> None:
+    def __init__(self, args: argparse.Namespace, feed: Feed, watch: Watch) -> None:
         self.n_printed = 0
         self.is_cut_short = False
         """Whether the run ended before there were as many messages as ``-n`` asks for."""
-        self._args, self._feed, self._traffic = args, feed, traffic
-        self._timeout = Timeout(args.timeout_s, feed, traffic, args.channel)
+        self._args, self._feed, self._watch = args, feed, watch
+        self._timeout = Timeout(args.timeout_s, feed, watch, args.channel)
         self._is_told = False
 
     def note(self, n_printed: int) -> None:
@@ -114,11 +115,11 @@ class _Wait:
             return False
         self._timeout.check()
         name = self._args.channel
-        if run_id := self._traffic.ended_run(name, time.monotonic()):
+        if run_id := self._watch.ended_run(name, time.monotonic()):
             print_notice(f"run {shown_name(run_id)} has ended after {self.n_printed} messages on {shown_name(name)}")
             self.is_cut_short = self._args.count is not None
             return True
         if not self._is_told and not self.n_printed and self._timeout.waited_s >= _HINT_S:
             self._is_told = True
-            print_notice(f"{self._traffic.silence(name, self._feed, _HINT_S)}\n  waiting for it; Ctrl-C exits")
+            print_notice(f"{self._watch.silence(name, self._feed, _HINT_S)}\n  waiting for it; Ctrl-C exits")
         return False

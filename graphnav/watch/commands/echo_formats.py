@@ -11,20 +11,20 @@ from typing import Any, NamedTuple, Protocol
 from graphnav import GraphnavError
 from graphnav.core.codec import lcm_name
 from graphnav.core.errors import printable, shown_name
-from graphnav.core.notices import print_notice
-from graphnav.watch.spy import (
+from graphnav.core.fields import (
     MISSING,
     FieldPath,
-    Received,
     Selection,
     all_columns,
     columns_of,
     described,
     nested,
     plain,
-    size_of,
     summarised,
 )
+from graphnav.core.notices import print_notice
+from graphnav.watch.feed import Received
+from graphnav.watch.spy import size_of
 
 
 class EchoedMessage(NamedTuple):

@@ -11,7 +11,7 @@ from graphnav.watch.commands import channel_report
 if TYPE_CHECKING:
     from graphnav.core.record import Periods
     from graphnav.core.tables import Table
-    from graphnav.watch.spy import ChannelTraffic, Traffic
+    from graphnav.watch.feed import Watch, WatchedChannel
 
 _KEYS = """\
   type, messages, lost    as spy says them: messages received, and missing by their numbers
@@ -30,7 +30,7 @@ def main(args: argparse.Namespace) -> int:
     return channel_report.report(args, _lines, _table, rates_as_json)
 
 
-def _lines(channel: ChannelTraffic) -> str:
+def _lines(channel: WatchedChannel) -> str:
     """Return the periods by stamp and, if different, by arrival; or the duration of the silence."""
     from graphnav.core.errors import shown_name
     from graphnav.watch.spy import silence_of, volume
@@ -54,14 +54,14 @@ def _text(periods: Periods | None) -> str:
     return f"{text} window: {periods.n}"
 
 
-def _table(traffic: Traffic) -> Table:
+def _table(watch: Watch) -> Table:
     """Return a row for each channel; periods are by stamp."""
     from graphnav.core.errors import shown_name
     from graphnav.core.tables import plain_table
 
     rows = []
-    for name in sorted(traffic.channels):
-        channel = traffic.channels[name]
+    for name in sorted(watch.channels):
+        channel = watch.channels[name]
         periods, arriving = channel.published, channel.arriving
         steps = (None,) * 3 if periods is None else (periods.min_s, periods.max_s, periods.std_s)
         cells = (_rate(periods), _rate(arriving), *map(_ms, steps), str(channel.count), _note(channel))
@@ -78,7 +78,7 @@ def _ms(period_s: float | None) -> str:
     return "" if period_s is None else f"{period_s * 1e3:.1f}"
 
 
-def _note(channel: ChannelTraffic) -> str:
+def _note(channel: WatchedChannel) -> str:
     if not channel.count:
         return "not received"
     if channel.is_silent:

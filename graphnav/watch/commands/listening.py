@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from graphnav.core.catalog import Catalog
-    from graphnav.watch.spy import Feed, Traffic
+    from graphnav.watch.feed import Feed, Watch
 
 _EVERY_S = 1.0
 
@@ -41,9 +41,9 @@ class Timeout:
     ``name``: the channel, None for any.
     """
 
-    def __init__(self, timeout_s: float | None, feed: Feed, traffic: Traffic, name: str | None) -> None:
+    def __init__(self, timeout_s: float | None, feed: Feed, watch: Watch, name: str | None) -> None:
         self._timeout_s = timeout_s if feed.is_live else None
-        self._feed, self._traffic, self._name = feed, traffic, name
+        self._feed, self._watch, self._name = feed, watch, name
         self._since_s = time.monotonic()
 
     def note(self) -> None:
@@ -61,7 +61,7 @@ class Timeout:
             return
         if self._name is None:
             raise self._feed.silence(self._timeout_s)
-        raise self._traffic.silence(self._name, self._feed, self._timeout_s)
+        raise self._watch.silence(self._name, self._feed, self._timeout_s)
 
 
 class ReportTimes:

@@ -18,7 +18,7 @@ from graphnav.core.parameters import Parameter, command, flag
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
     from graphnav.core.machine import Console
-    from graphnav.watch.spy import Feed, Traffic
+    from graphnav.watch.feed import Feed, Watch
 
 _REFRESH_S = 0.5
 _PRINT_S = 2.0
@@ -47,28 +47,29 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.machine import Console
     from graphnav.watch.commands.listening import complete
-    from graphnav.watch.spy import Feed, Traffic, as_json, as_text, drops_of
+    from graphnav.watch.feed import Feed, Watch, drops_of
+    from graphnav.watch.spy import as_json, as_text
 
     catalog = catalog_of(args)
     load_types_of(args, catalog)
     feed = complete(Feed(args.feed), catalog, args.plugins)
     if not (args.once or args.json) and _has_screen():
         return _full_screen(feed, catalog, args.graphics)
-    traffic = Traffic(feed.clock)
+    watch = Watch(feed.clock)
     console = Console(highlight=False, soft_wrap=True)
     if feed.is_live and not (args.once or args.json):
-        _watch(feed, traffic, console)
+        _watch(feed, watch, console)
         return OK
     for received in feed.listen(args.for_s):
         if received is not None:
-            traffic.receive(received)
-    if not traffic.channels:
+            watch.receive(received)
+    if not watch.channels:
         raise feed.silence(args.for_s)
     if args.json:
-        print(json.dumps(as_json(traffic, feed)))
+        print(json.dumps(as_json(watch, feed)))
         return OK
-    heading = f"{feed.name}: {len(traffic.channels)} channels" + (f" in {args.for_s:g} s" if feed.is_live else "")
-    console.print(as_text(traffic, "; ".join([heading, *filter(None, [feed.truncated, drops_of(feed)])])))
+    heading = f"{feed.name}: {len(watch.channels)} channels" + (f" in {args.for_s:g} s" if feed.is_live else "")
+    console.print(as_text(watch, "; ".join([heading, *filter(None, [feed.truncated, drops_of(feed)])])))
     return OK
 
 
@@ -97,26 +98,27 @@ def _full_screen(feed: Feed, catalog: Catalog, graphics: str) -> int:
         watch.close()
 
 
-def _watch(feed: Feed, traffic: Traffic, console: Console) -> None:
+def _watch(feed: Feed, watch: Watch, console: Console) -> None:
     """Show one line per channel until Ctrl-C; reprinted below if the terminal cannot move the cursor up."""
     from rich.live import Live
 
     from graphnav.core.notices import print_notice
-    from graphnav.watch.spy import as_text, drops_of
+    from graphnav.watch.feed import drops_of
+    from graphnav.watch.spy import as_text
 
     begin_s, shown_s, is_told = time.monotonic(), 0.0, False
     with Live(console=console, auto_refresh=False) as live:
         for received in feed.listen(None):
             if received is not None:
-                traffic.receive(received)
+                watch.receive(received)
                 continue
-            if not is_told and not traffic.channels and time.monotonic() - begin_s > _HINT_S:
+            if not is_told and not watch.channels and time.monotonic() - begin_s > _HINT_S:
                 is_told = True
                 print_notice(str(feed.silence(_HINT_S)))
             if time.monotonic() - shown_s > (_PRINT_S if console.is_dumb_terminal else _REFRESH_S):
                 shown_s = time.monotonic()
-                heading = "; ".join(filter(None, [f"{feed.name}: {len(traffic.channels)} channels", drops_of(feed)]))
-                text = as_text(traffic, heading, with_fields=False)
+                heading = "; ".join(filter(None, [f"{feed.name}: {len(watch.channels)} channels", drops_of(feed)]))
+                text = as_text(watch, heading, with_fields=False)
                 if console.is_dumb_terminal:
                     console.print(text)
                 else:

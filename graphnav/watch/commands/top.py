@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from graphnav import GraphnavError
     from graphnav.core.machine import Console
-    from graphnav.watch.spy import Feed, Health
+    from graphnav.watch.feed import Feed, Health
 
 _REFRESH_S = 0.5
 _PIPED_COLS = 160
@@ -38,7 +38,8 @@ _KEYS = (("space", "freeze the view, or go on"), ("?", "show the keys, or hide t
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.machine import Console
-    from graphnav.watch.spy import Feed, Health, health_as_json, health_as_text
+    from graphnav.watch.feed import Feed, Health
+    from graphnav.watch.spy import health_as_json, health_as_text
 
     load_types_of(args)
     feed = Feed(args.feed)

@@ -13,7 +13,7 @@ from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
-    from graphnav.watch.spy import Feed
+    from graphnav.watch.feed import Feed
 
 _PORT = 7667
 """The port number of LCM, which uses it for UDP."""
@@ -51,7 +51,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.notices import print_notice
     from graphnav.watch.commands.listening import complete
-    from graphnav.watch.spy import Feed
+    from graphnav.watch.feed import Feed
     from graphnav.watch.view import is_loopback
 
     catalog = catalog_of(args)
@@ -78,46 +78,35 @@ def _serve_page(feed: Feed, catalog: Catalog, host: str, port: int, *, is_opened
     import asyncio
 
     from graphnav.core.interrupts import plain_ctrl_c
-    from graphnav.watch.view import LiveSource, LogSource, PageServer
+    from graphnav.watch.view import PageFeed, PageServer
 
-    source = LiveSource(feed) if feed.is_live else LogSource(feed.path, feed.open_log())
-    if isinstance(source, LogSource) and not source.n_events:
-        raise feed.silence(None)
+    page_feed = PageFeed(feed)
 
     def ready(url: str) -> None:
         print(f"{feed.name} is shown at {url}  (Ctrl-C exits)", flush=True)
         if is_opened:
             _open(url)
 
-    source.start()
+    page_feed.start()
     try:
         with plain_ctrl_c():
-            asyncio.run(PageServer(source, catalog).serve(host, port, ready))
+            asyncio.run(PageServer(page_feed, catalog).serve(host, port, ready))
     finally:
-        source.close()
+        page_feed.close()
 
 
 def _serve_foxglove(feed: Feed, catalog: Catalog, host: str, port: int, *, is_opened: bool) -> None:
     """Serve Foxglove's protocol until Ctrl-C, SIGTERM or SIGHUP."""
     import threading
 
-    from graphnav.watch.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer
-
-    source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path, feed.open_log())
-    if isinstance(source, LogPlayer) and not source.n_events:
-        raise feed.silence(None)
-    server = FoxgloveServer(source, catalog)
+    from graphnav.watch.view.foxglove import FoxgloveServer
 
     def ready(url: str, app_url: str) -> None:
         print(f"{feed.name} is served to Foxglove at {url}  (Ctrl-C exits)", flush=True)
         if is_opened:
             _open(app_url)
 
-    source.start()
-    try:
-        server.serve(host, port, ready, threading.Event())
-    finally:
-        source.close()
+    FoxgloveServer(feed, catalog).serve(host, port, ready, threading.Event())
 
 
 def _open(url: str) -> None:

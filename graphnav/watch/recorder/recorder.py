@@ -8,8 +8,8 @@ from pathlib import Path
 
 from graphnav.core.errors import LogError
 from graphnav.core.record import ABOUT, AboutFirst, ChannelFilter, LogFiles, ThreadedLogWriter
+from graphnav.watch.feed import Feed, LiveFeed, Received
 from graphnav.watch.recorder.channel_statistics import ReceiveStatistics
-from graphnav.watch.recorder.listener import Listener
 
 
 class Recorder:
@@ -34,11 +34,12 @@ class Recorder:
     ) -> None:
         self.statistics = ReceiveStatistics()
         self._takes = channels.takes
-        self._listener = Listener(url, self._take)
+        self._feed = LiveFeed(Feed(url), self._take, name="graphnav-listener")
+        self._feed.open()
         try:
             self.files = open_files(path)
         except (LogError, OSError):
-            self._listener.close()
+            self._feed.close()
             raise
         self._log = ThreadedLogWriter(
             path, notice=notice, open_log=lambda _: AboutFirst(self.files, definitions=definitions)
@@ -66,11 +67,11 @@ class Recorder:
 
     def start(self) -> None:
         """Begin."""
-        self._listener.start()
+        self._feed.start()
 
     def look(self) -> None:
         """Update the number of packets dropped by the kernel."""
-        self.dropped_packets = self._listener.dropped_packets()
+        self.dropped_packets = self._feed.dropped_packets()
 
     def close(self) -> None:
         """Stop receiving and complete the log; idempotent."""
@@ -78,10 +79,11 @@ class Recorder:
             return
         self._is_closed = True
         self.look()
-        self._listener.close()
+        self._feed.close()
         self._log.close()
 
-    def _take(self, channel: str, data: bytes) -> None:
+    def _take(self, received: Received) -> None:
+        channel, data, _ = received
         if not channel:
             self.unnamed += 1
         elif channel == ABOUT or self._takes(channel):

@@ -1,4 +1,4 @@
-"""Format traffic as text and JSON."""
+"""The channels of a watch as text and JSON."""
 
 from __future__ import annotations
 
@@ -10,28 +10,26 @@ from rich.text import Text
 from graphnav.core.errors import shown_name
 from graphnav.core.fields import declared, described, plain, summarised
 from graphnav.core.record import Periods
-from graphnav.watch.spy.announcements import MAX_RUNS
-from graphnav.watch.spy.feed import Feed
-from graphnav.watch.spy.traffic import MAX_CHANNELS, ChannelTraffic, Traffic
+from graphnav.watch.feed import MAX_CHANNELS, MAX_RUNS, Feed, Watch, WatchedChannel
 
 _APART_RATIO = 0.05
 """Arrival rates that differ by more than this from the rate of the timestamps are shown."""
 
 
-def as_json(traffic: Traffic, feed: Feed) -> dict[str, Any]:
+def as_json(watch: Watch, feed: Feed) -> dict[str, Any]:
     """Return the statistics of all channels as JSON-compatible values."""
     return {
         "feed": feed.name,
-        "runs": traffic.announcements.ids,
-        "messages": traffic.count,
-        "undecodable": traffic.undecodable,
-        "overflow": traffic.overflow,
+        "runs": watch.announcements.ids,
+        "messages": watch.count,
+        "undecodable": watch.undecodable,
+        "overflow": watch.overflow,
         "dropped_packets": feed.dropped_packets(),
-        "channels": {name: channel_as_json(traffic.channels[name]) for name in sorted(traffic.channels)},
+        "channels": {name: channel_as_json(watch.channels[name]) for name in sorted(watch.channels)},
     }
 
 
-def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+def channel_as_json(channel: WatchedChannel) -> dict[str, Any]:
     """Return the statistics of one channel."""
     return {
         **rates_as_json(channel),
@@ -41,7 +39,7 @@ def channel_as_json(channel: ChannelTraffic) -> dict[str, Any]:
     }
 
 
-def rates_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+def rates_as_json(channel: WatchedChannel) -> dict[str, Any]:
     """Return the rates of one channel, by message timestamps and by arrival (``wall``)."""
     return {
         **_volume_as_json(channel),
@@ -52,7 +50,7 @@ def rates_as_json(channel: ChannelTraffic) -> dict[str, Any]:
     }
 
 
-def sizes_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+def sizes_as_json(channel: WatchedChannel) -> dict[str, Any]:
     """Return the sizes of one channel's messages and their bytes per second."""
     sizes = channel.sizes if channel.count else None
     return {
@@ -63,7 +61,7 @@ def sizes_as_json(channel: ChannelTraffic) -> dict[str, Any]:
     }
 
 
-def _volume_as_json(channel: ChannelTraffic) -> dict[str, Any]:
+def _volume_as_json(channel: WatchedChannel) -> dict[str, Any]:
     return {
         "type": channel.type_name,
         "messages": channel.count,
@@ -76,29 +74,29 @@ def _periods_as_json(prefix: str, periods: Periods | None) -> dict[str, float | 
     return {f"{prefix}_{name}": getattr(periods, name, None) for name in ("min_s", "max_s", "std_s")}
 
 
-def as_text(traffic: Traffic, heading: str, *, with_fields: bool = True) -> Text:
+def as_text(watch: Watch, heading: str, *, with_fields: bool = True) -> Text:
     """Return the statistics of all channels as text; without the fields one line per channel."""
-    lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in traffic.announcements.ids)]
-    for name in sorted(traffic.channels):
-        channel = traffic.channels[name]
+    lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in watch.announcements.ids)]
+    for name in sorted(watch.channels):
+        channel = watch.channels[name]
         lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(summary_of(channel)), "default"))
         if with_fields:
             lines += map(Text, described(fields_of_channel(channel)))
-    if traffic.announcements.has_forgotten:
+    if watch.announcements.has_forgotten:
         lines.append(Text(f"only the newest {MAX_RUNS} runs are kept"))
-    if traffic.overflow:
-        lines.append(Text(f"{traffic.overflow} messages on channels beyond the first {MAX_CHANNELS} were not kept"))
+    if watch.overflow:
+        lines.append(Text(f"{watch.overflow} messages on channels beyond the first {MAX_CHANNELS} were not kept"))
     return Text("\n").join(lines)
 
 
-def fields_of_channel(channel: ChannelTraffic) -> dict[str, Any]:
+def fields_of_channel(channel: WatchedChannel) -> dict[str, Any]:
     """Return the fields of a channel's newest message, or their declared types before the first message."""
     if channel.values is not None:
         return summarised(channel.values)
     return declared(channel.lcm_class) if channel.lcm_class is not None else {}
 
 
-def summary_of(channel: ChannelTraffic) -> Iterator[str]:
+def summary_of(channel: WatchedChannel) -> Iterator[str]:
     """Yield phrases about one channel: type, amount, rate, size."""
     yield shown_name(channel.type_name or "unknown type")
     if channel.is_silent:
@@ -110,12 +108,12 @@ def summary_of(channel: ChannelTraffic) -> Iterator[str]:
     yield from volume(channel)
 
 
-def silence_of(channel: ChannelTraffic) -> str:
+def silence_of(channel: WatchedChannel) -> str:
     """Return a phrase about the silence of a channel."""
     return f"no new messages for {channel.silent_s or 0.0:.1f} s"
 
 
-def volume(channel: ChannelTraffic) -> Iterator[str]:
+def volume(channel: WatchedChannel) -> Iterator[str]:
     """Yield phrases about the received and missing messages of one channel."""
     if not channel.count:
         yield "not received"

@@ -8,7 +8,7 @@ import graphnav_lcm
 
 from graphnav.core.codec import DecodeError, codec_of
 from graphnav.core.record import Kind
-from graphnav.watch.spy import Received
+from graphnav.watch.feed import Received
 
 _RANKS: dict[type, int] = {graphnav_lcm.odometry_t: 1, graphnav_lcm.state_t: 2}
 """The preference of pose types if several are published."""

@@ -9,19 +9,17 @@ from typing import Any
 
 from graphnav import About, GraphnavError
 from graphnav.core.catalog import Catalog
+from graphnav.core.fields import plain
 from graphnav.core.pictures import Pictures
-from graphnav.watch.spy import plain
-from graphnav.watch.view.channel import WatchedChannel
+from graphnav.watch.feed import WatchedChannel
 from graphnav.watch.view.content.announced_graph import announced_graph
 from graphnav.watch.view.content.details import details_of, picture_of
 from graphnav.watch.view.content.floor_map import floor_map, newest_map
 from graphnav.watch.view.content.layout import layout_of
 from graphnav.watch.view.content.moment import Moment, moment_of
 from graphnav.watch.view.content.page_state import state_of
-from graphnav.watch.view.log_source import LogSource
+from graphnav.watch.view.page_feed import PageFeed, PageState
 from graphnav.watch.view.robot_track import RobotTrack
-from graphnav.watch.view.source import Source
-from graphnav.watch.view.watch import Watch
 from graphnav.watch.view.web.page_requests import View
 
 _STATE_S = 0.5
@@ -45,43 +43,43 @@ class _Sent:
 class Session:
     """Gathers the updates of one page; one thread at a time calls it."""
 
-    def __init__(self, source: Source, catalog: Catalog, pictures: Pictures) -> None:
+    def __init__(self, feed: PageFeed, catalog: Catalog, pictures: Pictures) -> None:
         self.view = View()
-        self._source, self._catalog, self._pictures = source, catalog, pictures
-        self._watch: Watch | None = None
+        self._feed, self._catalog, self._pictures = feed, catalog, pictures
+        self._state: PageState | None = None
         self._run_id: str | None = None
         self._sent = _Sent()
         self._sent_graph: tuple[str, tuple[str, ...]] | None = None
 
     def greeting(self) -> str:
         """Return the first message: a description of the source."""
-        log = self._source if isinstance(self._source, LogSource) else None
-        hello = {"kind": "hello", "name": self._source.name, "log": log is not None}
+        log = self._feed.log
+        hello = {"kind": "hello", "name": self._feed.name, "log": log is not None}
         return json.dumps(hello | ({"length_s": log.length_s} if log else {}), allow_nan=False)
 
     def update(self, number: int) -> tuple[str, bytes | None] | None:
         """Return update ``number`` and its picture, None if nothing has changed."""
         update: Update = {}
         view, about, moment, world, picture = self.view, None, None, None, None
-        with self._source.lock:
-            watch = self._source.watch
-            run_id = watch.announcements.shown(view.run_id, watch.clock())
-            if watch is not self._watch or run_id != self._run_id:
-                self._watch, self._run_id, self._sent = watch, run_id, _Sent()
+        with self._feed.lock:
+            state, watch = self._feed.state, self._feed.state.watch
+            run_id = watch.announcements.shown(view.run_id, state.clock())
+            if state is not self._state or run_id != self._run_id:
+                self._state, self._run_id, self._sent = state, run_id, _Sent()
             if run_id is not None:
                 about = watch.announcements.runs[run_id].about
             if (now_s := time.monotonic()) >= self._sent.state_due_s:
                 self._sent.state_due_s = now_s + _STATE_S
-                update["state"] = state_of(self._source, run_id)
+                update["state"] = state_of(self._feed, run_id)
             if view.channel is not None:
                 channel = watch.channels.get(view.channel)
                 if (wanted := (channel.count if channel else 0, view)) != self._sent.details:
                     self._sent.details = wanted
                     update["details"] = self._head(view.channel, channel)
-                    moment = self._moment(watch, channel, run_id)
+                    moment = self._moment(state, channel, run_id)
             if view.with_map:
-                world = newest_map(watch.channels_of(run_id).values())
-                update |= self._track(watch.track_of(run_id))
+                world = newest_map(state.channels_of(run_id).values())
+                update |= self._track(state.track_of(run_id))
         if about is not None and (about.graph_yaml, about.channels) != self._sent_graph:
             update["graph"] = self._graph(about)
         if world is not None and world.data != self._sent.world:
@@ -115,20 +113,20 @@ class Session:
             self._sent.channel, self._sent.point = name, 0
         return {"channel": name, "missing": missing, "reset": is_new}
 
-    def _moment(self, watch: Watch, channel: WatchedChannel | None, run_id: str | None) -> Moment | None:
+    def _moment(self, state: PageState, channel: WatchedChannel | None, run_id: str | None) -> Moment | None:
         """Return the current messages of the open channel."""
         if channel is None:
             return None
         after, self._sent.point = self._sent.point, channel.count
-        return moment_of(watch, channel, run_id, after)
+        return moment_of(state, channel, run_id, after)
 
     def _open(self, moment: Moment, details: Update, view: View) -> bytes | None:
         """Add the fields of the newest message to ``details`` and return its picture."""
         found = details_of(moment, view.cursor)
         if found is None:
             details["missing"] = "undecodable"
-            with self._source.lock:
-                if (channel := self._source.watch.channels.get(details["channel"])) is not None:
+            with self._feed.lock:
+                if (channel := self._feed.state.watch.channels.get(details["channel"])) is not None:
                     channel.note_undecodable(channel.count)
             return None
         details |= found

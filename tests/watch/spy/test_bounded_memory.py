@@ -11,7 +11,8 @@ from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Status, Twist
 from graphnav.core.record import ABOUT, LogWriter
-from graphnav.watch.spy import MAX_CHANNELS, Health, Received, Traffic, as_text, health_as_text
+from graphnav.watch.feed import MAX_CHANNELS, Health, Received, Watch
+from graphnav.watch.spy import as_text, health_as_text
 
 N_RUNS = 40
 LAST = f"c{MAX_CHANNELS + 9}"
@@ -38,14 +39,14 @@ def log(tmp_path: Path) -> Path:
 
 
 def test_the_newest_runs_are_kept_and_that_is_said() -> None:
-    traffic = Traffic()
+    watch = Watch()
     for received in runs()[:32]:
-        traffic.receive(received)
-    assert "are kept" not in as_text(traffic, "").plain
+        watch.receive(received)
+    assert "are kept" not in as_text(watch, "").plain
     for received in runs()[:N_RUNS]:
-        traffic.receive(received)
-    assert len(traffic.announcements.runs) == 32
-    assert as_text(traffic, "").plain.count("only the newest 32 runs are kept") == 1
+        watch.receive(received)
+    assert len(watch.announcements.runs) == 32
+    assert as_text(watch, "").plain.count("only the newest 32 runs are kept") == 1
 
 
 def test_the_health_of_the_newest_runs_is_kept_and_that_is_said() -> None:

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from graphnav.watch.feed import KEPT_MESSAGES, Received
 from graphnav.watch.spy.field_lines import field_lines
 from graphnav.watch.spy.watch.series import Series, numbers_of, path_text
-from graphnav.watch.spy.watch.watch import KEPT_MESSAGES, Sample
 
 VALUES: dict[str, Any] = {
     "utime": 5,
@@ -69,7 +69,7 @@ def test_numbers_to_plot_are_scalars_and_short_arrays() -> None:
 
 def test_a_series_keeps_the_newest_and_leaves_out_what_is_not_finite() -> None:
     series = Series()
-    series.add((Sample(float(k), b""), {"x": float("nan") if k % 2 else k}) for k in range(2000))
+    series.add((Received("x", b"", float(k)), {"x": float("nan") if k % 2 else k}) for k in range(2000))
     points = series.points(("x",))
     assert len(points) == KEPT_MESSAGES // 2
     assert points[-1] == (1998.0, 1998.0)

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from graphnav.core.record import LogWriter
-from graphnav.watch.spy import Feed
-from graphnav.watch.view import LiveSource, LogSource
+from graphnav.watch.feed import Feed
+from graphnav.watch.view import PageFeed
 
 from .drive import messages
 from .foxglove_client import FoxgloveServed
@@ -33,8 +33,7 @@ def serve() -> Iterator[Callable[[Path | str], Served]]:
     served: list[Served] = []
 
     def begin(name: Path | str) -> Served:
-        feed = Feed(str(name))
-        served.append(Served(LiveSource(feed) if feed.is_live else LogSource(feed.path)))
+        served.append(Served(PageFeed(Feed(str(name)))))
         return served[-1]
 
     yield begin

@@ -19,8 +19,8 @@ from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
 from graphnav.core.catalog import Catalog
-from graphnav.watch.spy import Feed
-from graphnav.watch.view.foxglove import FoxgloveServer, LiveFeed, LogPlayer
+from graphnav.watch.feed import Feed
+from graphnav.watch.view.foxglove import FoxgloveServer
 
 PATIENCE_S = 30.0
 _POLL_S = 0.05
@@ -50,8 +50,7 @@ class FoxgloveServed:
     """A feed that is being served by a thread."""
 
     def __init__(self, name: str) -> None:
-        feed = Feed(name)
-        self.source = LiveFeed(feed) if feed.is_live else LogPlayer(feed.path)
+        self._server = FoxgloveServer(Feed(name), Catalog())
         self._ready, self._ending = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._serve)
         self._thread.start()
@@ -61,7 +60,6 @@ class FoxgloveServed:
         """End the server and what it serves."""
         self._ending.set()
         self._thread.join(PATIENCE_S)
-        self.source.close()
         assert not self._thread.is_alive()
 
     def _serve(self) -> None:
@@ -69,8 +67,7 @@ class FoxgloveServed:
             self.url, self.app_url = url, app_url
             self._ready.set()
 
-        self.source.start()
-        FoxgloveServer(self.source, Catalog()).serve("127.0.0.1", 0, ready, self._ending)
+        self._server.serve("127.0.0.1", 0, ready, self._ending)
 
 
 class FoxgloveClient:

@@ -13,7 +13,7 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
 from graphnav.core.catalog import Catalog
-from graphnav.watch.view import PageServer, Source
+from graphnav.watch.view import PageFeed, PageServer
 
 PATIENCE_S = 30.0
 
@@ -21,7 +21,7 @@ PATIENCE_S = 30.0
 class Served:
     """A page that is being served by a thread."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: PageFeed) -> None:
         self.source = source
         self._ready = threading.Event()
         self._loop = asyncio.new_event_loop()

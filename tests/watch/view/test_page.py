@@ -9,8 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graphnav.watch.view import LogSource
-
 from .browser import CHROMIUM, Browser
 from .drive import MARKUP
 from .served import Served
@@ -55,10 +53,10 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 def page(browser: Browser, serve: Serve, log: Path) -> Browser:
     """Return a browser at the page of a log, paused at its end."""
     served = serve(log)
-    assert isinstance(served.source, LogSource)
+    assert served.source.log is not None
     with served.source.lock:
-        served.source.pause()
-        served.source.seek(3.9)
+        served.source.log.pause()
+        served.source.log.seek(3.9)
     browser.open("about:blank")  # else the page of the test before, whose server is gone, asks for it again
     browser.wait_for("location.href === 'about:blank'")
     browser.requests.clear()

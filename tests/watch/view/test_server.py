@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from graphnav.watch.view import LogSource
 from graphnav.watch.view.web.page_files import page_files
 
 from .drive import MARKUP
@@ -26,10 +25,10 @@ Serve = Callable[[Path | str], Served]
 def served(serve: Serve, log: Path) -> Served:
     """Return the page of a log, paused at its end."""
     served = serve(log)
-    assert isinstance(served.source, LogSource)
+    assert served.source.log is not None
     with served.source.lock:
-        served.source.pause()
-        served.source.seek(3.9)
+        served.source.log.pause()
+        served.source.log.seek(3.9)
     return served
 
 

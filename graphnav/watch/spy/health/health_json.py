@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from graphnav.core.fields import plain
-from graphnav.watch.spy.health.health import GuardHealth, Health, RunHealth
+from graphnav.watch.feed import GuardHealth, Health, RunHealth
 
 
 def health_as_json(health: Health, feed: str) -> dict[str, Any]:

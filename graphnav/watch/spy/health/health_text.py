@@ -11,8 +11,7 @@ from rich.text import Text
 from graphnav import Status
 from graphnav.core.errors import shown_name
 from graphnav.core.tables import Cell, cut, plain_table
-from graphnav.watch.spy.announcements import MAX_RUNS
-from graphnav.watch.spy.health.health import GuardHealth, Health, RunHealth
+from graphnav.watch.feed import MAX_RUNS, GuardHealth, Health, RunHealth
 
 _FORGET_S = 10.0
 """A run that is silent for longer is shown in one line."""

@@ -1,6 +1,6 @@
 """The full-screen ``graphnav spy``: a table of channels, and a view of one channel: fields, plots, picture."""
 
-from graphnav.watch.spy.feed import Feed
+from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen.app import SpyApp
 from graphnav.watch.spy.screen.painters.choose_painter import painters
 from graphnav.watch.spy.screen.run_app import run_app

@@ -16,6 +16,7 @@ from graphnav import Message
 from graphnav.arrays import Bytes
 from graphnav.core.errors import CatalogError, DrawingError, shown_name
 from graphnav.core.pictures import drawing
+from graphnav.watch.feed import Received
 from graphnav.watch.spy.screen.field_tree import FieldTree
 from graphnav.watch.spy.screen.keys_screen import is_shown
 from graphnav.watch.spy.screen.picture_view import PictureView
@@ -25,7 +26,6 @@ from graphnav.watch.spy.screen.session import Session
 from graphnav.watch.spy.traffic_report import size_of
 from graphnav.watch.spy.watch.series import Path, Series, measures_of, path_text
 from graphnav.watch.spy.watch.silence_reasons import losses
-from graphnav.watch.spy.watch.watch import Sample
 
 _PICTURE_S = 0.2
 _TEXT_EVERY = 2
@@ -56,8 +56,8 @@ class ChannelScreen(Screen[None]):
         self._plotted: list[Path] = []
         self._has_chosen = False
         self._view = ""
-        self._sample: Sample | None = None
-        self._shown: Sample | None = None
+        self._sample: Received | None = None
+        self._shown: Received | None = None
         self._drawn_version: object = None
         self._turn = 0
 
@@ -113,7 +113,7 @@ class ChannelScreen(Screen[None]):
         """Redraw everything after the layout."""
         self.call_after_refresh(self.show, at_once=True)
 
-    def _show_texts(self, sample: Sample | None) -> None:
+    def _show_texts(self, sample: Received | None) -> None:
         watch = self._session.watch
         channel = watch.channel(self.channel_name)
         parts = [shown_name(self.channel_name)]
@@ -131,7 +131,7 @@ class ChannelScreen(Screen[None]):
                 self._plotted = measures_of(values)[:_FEW_CURVES]
             self.query_one(FieldTree).show(values, self._plotted)
 
-    def _show_picture(self, sample: Sample) -> None:
+    def _show_picture(self, sample: Received) -> None:
         """Draw the newest message; the view is hidden if its type has no picture."""
         view = self.query_one(PictureView)
         try:
@@ -169,7 +169,7 @@ class ChannelScreen(Screen[None]):
         is_tall = self.size.height >= _ROWS_FOR_BOTH
         return self._view or ("both" if is_tall and self._plotted else "picture")
 
-    def _collect(self, sample: Sample) -> None:
+    def _collect(self, sample: Received) -> None:
         """Collect the numbers of all messages since the last update; of large messages only the newest is kept."""
         if sample.at_s < self._series.newest_s:
             self._series.clear()

@@ -5,43 +5,41 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from graphnav import GraphnavError
 from graphnav.core.bus import require_route, with_defaults
 from graphnav.core.errors import shown_name
 from graphnav.core.record import ABOUT, ThreadedLogWriter
-from graphnav.watch.spy.feed import Feed, Received
-from graphnav.watch.spy.feed_listener import FeedListener
-from graphnav.watch.spy.traffic import ChannelTraffic, Traffic
+from graphnav.watch.feed import Feed, LiveFeed, Received, Watch, WatchedChannel
 from graphnav.watch.spy.watch.row import Row, row_of
 from graphnav.watch.spy.watch.silence_reasons import nothing_received, why_empty
-from graphnav.watch.spy.watch.watch import Memory, Sample
 
 _MAX_NAMED = 3
 
 
 class LiveWatch:
-    """Receives all messages of a live feed.
+    """All messages of a live feed.
 
-    The receive thread only counts and stores messages; the viewer may be slow. ``failure``: why it ended early, empty
-    if it did not.
+    The receive thread only counts and stores messages; the viewer may be slow.
     """
 
     is_live = True
 
     def __init__(self, feed: Feed) -> None:
         self.name = feed.name
-        self.failure = ""
-        self._feed = feed
-        self._memory = Memory(Traffic(feed.clock))
+        self._watch = Watch(feed.clock)
+        self._feed = LiveFeed(feed, self._take, name="graphnav-spy")
         self._begin_s = time.monotonic()
         self._clock_offset_s = time.time() - self._begin_s
         self._writer: ThreadedLogWriter | None = None
-        self._listener = FeedListener(feed, self._take, self._fail, "graphnav-spy")
+
+    @property
+    def failure(self) -> str:
+        """Why nothing is received, empty while it is."""
+        return self._feed.failure
 
     @property
     def version(self) -> object:
         """The number of received messages."""
-        return self._memory.traffic.count
+        return self._watch.count
 
     @property
     def origin_s(self) -> float:
@@ -51,64 +49,67 @@ class LiveWatch:
     def start(self) -> None:
         """Start receiving; raises BusError if there is no multicast route."""
         require_route(with_defaults(self.name))
-        self._listener.start()
+        self._feed.start()
 
     def close(self) -> None:
         """Stop receiving and recording."""
-        self._listener.close()
+        self._feed.close()
         self.stop_recording()
 
     def rows(self) -> list[Row]:
         """Return the channels, in order of their first message or announcement."""
         now_s = time.monotonic()
-        with self._memory.lock:
-            channels = self._memory.traffic.channels.values()
+        with self._feed.lock:
+            channels = self._watch.channels.values()
             return [row_of(channel, now_s, self._clock_offset_s, channel.silent_s) for channel in channels]
 
-    def channel(self, name: str) -> ChannelTraffic | None:
+    def channel(self, name: str) -> WatchedChannel | None:
         """Return the statistics of a channel."""
-        return self._memory.traffic.channels.get(name)
+        return self._watch.channels.get(name)
 
-    def newest(self, name: str) -> Sample | None:
+    def newest(self, name: str) -> Received | None:
         """Return the newest message of a channel."""
-        return self._memory.newest(name)
+        with self._feed.lock:
+            return self._watch.newest(name)
 
-    def recent(self, name: str, after_s: float) -> list[Sample]:
+    def recent(self, name: str, after_s: float) -> list[Received]:
         """Return the stored messages of a channel that arrived after ``after_s``, oldest first."""
-        return self._memory.recent(name, after_s)
+        with self._feed.lock:
+            return self._watch.recent(name, after_s)
 
     def names_of(self, lcm_class: type) -> list[str]:
         """Return the channels that carry a type."""
-        return self._memory.names_of(lcm_class)
+        with self._feed.lock:
+            return self._watch.names_of(lcm_class)
 
     def why_empty(self, name: str | None) -> str:
         """Return why there are no new messages of a channel, or of any."""
         for_s = time.monotonic() - self._begin_s
         channel = self.channel(name) if name is not None else None
-        with self._memory.lock:
+        with self._feed.lock:
             if self.failure:
                 return self.failure
             if channel is not None:
                 return why_empty(channel, for_s)
-            return "" if self._memory.traffic.channels else nothing_received(self.name, for_s)
+            return "" if self._watch.channels else nothing_received(self.name, for_s)
 
     def heading(self) -> str:
         """Return a line about the feed, its channels and runs, dropped packets, counts, and the recording.
 
         Short, to fit 80 columns.
         """
-        with self._memory.lock:
-            traffic = self._memory.traffic
-            parts = [self.name.partition("?")[0], f"{len(traffic.channels)} channels"]
-            if runs := traffic.announcements.current_ids(time.monotonic()):
+        with self._feed.lock:
+            watch = self._watch
+            parts = [self.name.partition("?")[0], f"{len(watch.channels)} channels"]
+            if runs := watch.announcements.current_ids(time.monotonic()):
                 parts.append(_named(runs))
             if dropped := self._feed.dropped_packets():
                 parts.append(f"{dropped} dropped")
-            parts.append(f"{traffic.count} messages")
-            if traffic.undecodable:
-                parts.append(f"{traffic.undecodable} undecodable")
-            if traffic.overflow:
-                parts.append(f"{traffic.overflow} messages of further channels not kept")
+            parts.append(f"{watch.count} messages")
+            if watch.undecodable:
+                parts.append(f"{watch.undecodable} undecodable")
+            if watch.overflow:
+                parts.append(f"{watch.overflow} messages of further channels not kept")
         if self._writer is not None:
             parts.append(self._writer.failure or f"recording {self._writer.path.name}: {_recorded(self._writer)}")
         if self.failure:
@@ -126,30 +127,25 @@ class LiveWatch:
         Raises OSError if the file cannot be opened.
         """
         writer = ThreadedLogWriter(path)
-        about = self._memory.newest(ABOUT)
-        with self._memory.lock:
+        with self._feed.lock:
+            about = self._watch.newest(ABOUT)
             if about is not None:
                 self._write(writer, Received(ABOUT, about.data, time.monotonic()))
             self._writer = writer
 
     def stop_recording(self) -> str:
         """Close the log being recorded; return a description of its content, empty without one."""
-        with self._memory.lock:
+        with self._feed.lock:
             writer, self._writer = self._writer, None
         if writer is None:
             return ""
         writer.close()
         return writer.failure or f"{writer.path}: {_recorded(writer)}"
 
-    def _fail(self, error: GraphnavError | OSError) -> None:
-        self.failure = str(error)
-
     def _take(self, received: Received) -> None:
-        self._memory.receive(received)
+        self._watch.receive(received)
         if self._writer is not None:
-            with self._memory.lock:
-                if self._writer is not None:
-                    self._write(self._writer, received)
+            self._write(self._writer, received)
 
     def _write(self, writer: ThreadedLogWriter, received: Received) -> None:
         """Record a message with the wall time of its arrival, as lcm-logger does."""

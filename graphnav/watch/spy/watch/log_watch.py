@@ -9,11 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from graphnav.core.record import LogCursor
-from graphnav.watch.spy.feed import Feed, Received
-from graphnav.watch.spy.traffic import ChannelTraffic, Traffic
+from graphnav.watch.feed import KEPT_MESSAGES, Feed, Received, Watch, WatchedChannel
 from graphnav.watch.spy.watch.row import Row, row_of
 from graphnav.watch.spy.watch.silence_reasons import why_empty
-from graphnav.watch.spy.watch.watch import KEPT_MESSAGES, Sample
 
 _MAX_RECENT_BYTES = 4_000_000
 
@@ -33,7 +31,7 @@ class LogWatch:
         self.name = feed.name
         self.path: Path = feed.path
         self._recording = feed.open_log()
-        self._traffic = Traffic(None)
+        self._watch = Watch()
         self._lock = threading.Lock()
         self._closing = threading.Event()
         self._n_read = 0
@@ -109,18 +107,18 @@ class LogWatch:
         """Return the channels, in log order."""
         with self._lock:
             now_s, at_s = self._read_s, self.at_s
-            return [self._row(channel, now_s, at_s) for channel in self._traffic.channels.values()]
+            return [self._row(channel, now_s, at_s) for channel in self._watch.channels.values()]
 
-    def channel(self, name: str) -> ChannelTraffic | None:
+    def channel(self, name: str) -> WatchedChannel | None:
         """Return the statistics of a channel."""
-        return self._traffic.channels.get(name)
+        return self._watch.channels.get(name)
 
-    def newest(self, name: str) -> Sample | None:
+    def newest(self, name: str) -> Received | None:
         """Return the newest message of a channel at the current time."""
         numbers = self._cursor.newest(name)
-        return self._sample(numbers[-1]) if numbers else None
+        return self._received(numbers[-1]) if numbers else None
 
-    def recent(self, name: str, after_s: float) -> list[Sample]:
+    def recent(self, name: str, after_s: float) -> list[Received]:
         """Return the last messages of a channel between ``after_s`` and the current time: at most 600, or 4 MB."""
         numbers = self._cursor.newest(name, KEPT_MESSAGES)
         if not numbers:
@@ -128,18 +126,18 @@ class LogWatch:
         newest = self._recording.index[numbers[-1]]
         max_messages = _MAX_RECENT_BYTES // (newest.stop - newest.start + 1) + 1
         first = max(len(numbers) - max_messages, bisect_right(numbers, after_s, key=self._time_s))
-        return [self._sample(number) for number in numbers[first:]]
+        return [self._received(number) for number in numbers[first:]]
 
     def names_of(self, lcm_class: type) -> list[str]:
         """Return the channels that carry a type."""
         with self._lock:
-            return [name for name, channel in self._traffic.channels.items() if channel.lcm_class is lcm_class]
+            return [name for name, channel in self._watch.channels.items() if channel.lcm_class is lcm_class]
 
     def why_empty(self, name: str | None) -> str:
         """Return why a channel has no message at the current time, or in the log."""
         channel = self.channel(name) if name is not None else None
         if channel is None:
-            return "" if self._traffic.channels or self._thread.is_alive() else f"{self.name} is empty"
+            return "" if self._watch.channels or self._thread.is_alive() else f"{self.name} is empty"
         numbers: Sequence[int] = self._recording.index.channels.get(channel.name, ())
         if not numbers:
             return "announced, but not recorded: the log holds none of its messages"
@@ -149,12 +147,12 @@ class LogWatch:
 
     def heading(self) -> str:
         """Return a line about the log, the current time, and missing data."""
-        parts = [self.name, f"{len(self._traffic.channels)} channels"]
+        parts = [self.name, f"{len(self._watch.channels)} channels"]
         parts.append(f"at {self._cursor.at_us / 1e6:.2f} of {self._cursor.end_us / 1e6:.2f} s")
         if self._thread.is_alive():
             parts.append("reading")
-        if self._traffic.overflow:
-            parts.append(f"{self._traffic.overflow} messages of further channels not kept")
+        if self._watch.overflow:
+            parts.append(f"{self._watch.overflow} messages of further channels not kept")
         if self._recording.truncated is not None:
             parts.append(str(self._recording.truncated))
         return "  ".join(parts)
@@ -165,14 +163,14 @@ class LogWatch:
                 return
             with self._lock:
                 self._read_s = event.utime / 1e6
-                self._traffic.receive(Received(event.channel, event.data, self._read_s))
+                self._watch.receive(Received(event.channel, event.data, self._read_s))
                 self._n_read += 1
 
     def _seek(self, at_us: float) -> None:
         self._cursor.seek(at_us)
         self._cursor.due()
 
-    def _row(self, channel: ChannelTraffic, now_s: float, at_s: float) -> Row:
+    def _row(self, channel: WatchedChannel, now_s: float, at_s: float) -> Row:
         numbers = self._cursor.newest(channel.name)
         age_s = max(0.0, at_s - self._time_s(numbers[-1])) if numbers else None
         return replace(row_of(channel, now_s, 0.0, None), age_s=age_s)
@@ -180,5 +178,6 @@ class LogWatch:
     def _time_s(self, number: int) -> float:
         return self.begin_s + self._cursor.time_us(number) / 1e6
 
-    def _sample(self, number: int) -> Sample:
-        return Sample(self._time_s(number), self._recording.at(number).data)
+    def _received(self, number: int) -> Received:
+        event = self._recording.at(number)
+        return Received(event.channel, event.data, self._time_s(number))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -13,11 +13,24 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of, message_class_of, type_of
 from graphnav.core.errors import CatalogError, one_line
 from graphnav.core.interrupts import CtrlC
-from graphnav.watch.spy.watch.watch import Watch
+from graphnav.watch.feed import Received
 
 M = TypeVar("M", bound=Message)
 
 _MAX_POINTS = 20_000
+
+
+class Messages(Protocol):
+    """The newest messages of a watched feed."""
+
+    def newest(self, name: str, /) -> Received | None:
+        """Return the newest message of a channel."""
+
+    def recent(self, name: str, after_s: float, /) -> list[Received]:
+        """Return the stored messages of a channel that arrived after ``after_s``, oldest first."""
+
+    def names_of(self, lcm_class: type, /) -> list[str]:
+        """Return the channels that carry a type."""
 
 
 class Moment:
@@ -28,7 +41,7 @@ class Moment:
 
     with_colour = True
 
-    def __init__(self, watch: Watch, catalog: Catalog) -> None:
+    def __init__(self, watch: Messages, catalog: Catalog) -> None:
         self._watch = watch
         self._readers: dict[type, Adapter] = {}
         with suppress(CatalogError):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from graphnav.watch.spy.traffic import ChannelTraffic
+from graphnav.watch.feed import WatchedChannel
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Row:
     counts: tuple[int, ...]
 
 
-def row_of(channel: ChannelTraffic, now_s: float, clock_offset_s: float, age_s: float | None) -> Row:
+def row_of(channel: WatchedChannel, now_s: float, clock_offset_s: float, age_s: float | None) -> Row:
     """Return the row of a channel at ``now_s`` on the arrival clock; ``age_s``: of its newest message."""
     periods = channel.published
     return Row(
@@ -53,5 +53,5 @@ def row_of(channel: ChannelTraffic, now_s: float, clock_offset_s: float, age_s: 
         undecodable=channel.undecodable,
         age_s=age_s,
         is_stale=channel.is_silent,
-        counts=tuple(channel.history.counts(now_s)),
+        counts=tuple(channel.rates.counts(now_s)),
     )

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from graphnav.watch.spy.watch.watch import KEPT_MESSAGES, Sample
+from graphnav.watch.feed import KEPT_MESSAGES, Received
 
 Path = tuple[str | int, ...]
 """The path to a value in a message: field names and indices."""
@@ -72,17 +72,17 @@ class Series:
         self.newest_s = -math.inf
         self._points.clear()
 
-    def add(self, decoded: Iterable[tuple[Sample, Mapping[str, Any] | None]]) -> None:
+    def add(self, decoded: Iterable[tuple[Received, Mapping[str, Any] | None]]) -> None:
         """Add messages, oldest first, with their fields; None for undecodable ones."""
-        for sample, values in decoded:
-            self.newest_s = sample.at_s
+        for received, values in decoded:
+            self.newest_s = received.at_s
             for path, number in numbers_of(values or {}).items():
                 points = self._points.get(path)
                 if points is None:
                     if len(self._points) >= _MAX_NUMBERS:
                         continue
                     points = self._points[path] = deque(maxlen=KEPT_MESSAGES)
-                points.append((sample.at_s, number))
+                points.append((received.at_s, number))
 
     @property
     def paths(self) -> list[Path]:

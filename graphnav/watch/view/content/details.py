@@ -12,9 +12,10 @@ import numpy as np
 from graphnav import Message, PictureContext
 from graphnav.arrays import Bytes
 from graphnav.core.codec import DecodeError, codec_of, decode, message_class_of
+from graphnav.core.fields import plain, summarised
 from graphnav.core.pictures import Pictures
 from graphnav.core.record import Kind
-from graphnav.watch.spy import Received, plain, summarised
+from graphnav.watch.feed import Received
 from graphnav.watch.view.content.moment import Moment
 
 M = TypeVar("M", bound=Message)

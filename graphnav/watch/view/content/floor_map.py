@@ -10,8 +10,7 @@ import numpy as np
 
 from graphnav import Map
 from graphnav.core.codec import DecodeError, decode
-from graphnav.watch.spy import Received
-from graphnav.watch.view.channel import WatchedChannel
+from graphnav.watch.feed import Received, WatchedChannel
 
 _MAX_VERTICES = 20_000
 

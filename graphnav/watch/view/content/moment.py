@@ -9,9 +9,8 @@ import numpy as np
 
 from graphnav.arrays import Doubles
 from graphnav.core.record import Kind
-from graphnav.watch.spy import Received
-from graphnav.watch.view.channel import WatchedChannel
-from graphnav.watch.view.watch import Watch
+from graphnav.watch.feed import Received, WatchedChannel
+from graphnav.watch.view.page_feed import PageState
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,7 @@ class Moment:
     path_m: Doubles
 
 
-def moment_of(watch: Watch, channel: WatchedChannel, run_id: str | None, after: int) -> Moment | None:
+def moment_of(state: PageState, channel: WatchedChannel, run_id: str | None, after: int) -> Moment | None:
     """Return the messages of a channel, with the points after message ``after``; None if nothing can be shown.
 
     The others are those of the run ``run_id``.
@@ -41,12 +40,12 @@ def moment_of(watch: Watch, channel: WatchedChannel, run_id: str | None, after: 
         points = [channel.newest]
     stamp = _stamp(channel)
     others: dict[type, bytes] = {}
-    for other in watch.channels_of(run_id).values():
+    for other in state.channels_of(run_id).values():
         if other.kind is None or other.newest is None:
             continue
         if other.kind.lcm_class not in others or _stamp(other) == stamp:
             others[other.kind.lcm_class] = other.newest.data
-    path_m = np.array(watch.track_of(run_id).points_m, np.float64).reshape(-1, 2)
+    path_m = np.array(state.track_of(run_id).points_m, np.float64).reshape(-1, 2)
     return Moment(channel.kind, channel.newest, points, others, path_m)
 
 

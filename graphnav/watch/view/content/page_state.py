@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
+from graphnav.watch.feed import LogFeed, WatchedChannel
 from graphnav.watch.spy import health_as_json
-from graphnav.watch.view.channel import WatchedChannel
-from graphnav.watch.view.log_source import LogSource
-from graphnav.watch.view.source import Source
+from graphnav.watch.view.page_feed import PageFeed
 
 _MAX_SHOWN_NAME = 200
 
 
-def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
-    """Return all counts, and channels, guards and health of the run ``run_id``; the caller holds the source's lock."""
-    watch = source.watch
-    health = health_as_json(watch.health, source.name)
-    channels = watch.channels_of(run_id)
+def state_of(feed: PageFeed, run_id: str | None) -> dict[str, Any]:
+    """Return all counts, and channels, guards and health of the run ``run_id``; the caller holds the feed's lock."""
+    watch = feed.state.watch
+    health = health_as_json(feed.state.health, feed.name)
+    channels = feed.state.channels_of(run_id)
     return {
-        "failure": source.failure,
+        "failure": feed.failure,
         "run_id": run_id,
         "runs": list(watch.announcements.runs),
         "run": next((run for run in health["runs"] if run["run_id"] == run_id), None),
@@ -26,10 +25,10 @@ def state_of(source: Source, run_id: str | None) -> dict[str, Any]:
         "channels": [channel_state(channel) for channel in channels.values()],
         "messages": watch.count,
         "undecodable": watch.undecodable,
-        "untracked": watch.untracked,
-        "dropped_packets": source.dropped_packets(),
+        "untracked": watch.overflow,
+        "dropped_packets": feed.dropped_packets(),
         "refused": watch.announcements.refused,
-        "log": log_state(source) if isinstance(source, LogSource) else None,
+        "log": None if feed.log is None else log_state(feed.log, feed.damage),
     }
 
 
@@ -50,12 +49,12 @@ def channel_state(channel: WatchedChannel) -> dict[str, Any]:
     }
 
 
-def log_state(source: LogSource) -> dict[str, Any]:
+def log_state(log: LogFeed, damage: str) -> dict[str, Any]:
     """Return the playback state of a log."""
     return {
-        "at_s": source.at_s,
-        "length_s": source.length_s,
-        "playing": source.is_playing,
-        "speed": source.speed_ratio,
-        "damage": source.damage,
+        "at_s": log.at_s,
+        "length_s": log.length_s,
+        "playing": log.is_playing,
+        "speed": log.speed_ratio,
+        "damage": damage,
     }

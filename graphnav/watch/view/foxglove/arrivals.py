@@ -6,6 +6,8 @@ import threading
 from collections import deque
 from typing import NamedTuple
 
+from graphnav.watch.feed import Past, Received
+
 _MAX_BYTES = 32 << 20
 _PER_MESSAGE_BYTES = 256
 """Memory overhead of a queued message."""
@@ -40,7 +42,9 @@ class Batch(NamedTuple):
 
 
 class Arrivals:
-    """A queue of 32 MB between two threads."""
+    """A queue of 32 MB between two threads; ``epoch_us`` is added to the times of the feed."""
+
+    epoch_us = 0
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -48,20 +52,22 @@ class Arrivals:
         self._n_bytes = self._n_dropped = 0
         self._is_jump = False
 
-    def put(self, arrival: Arrival) -> None:
+    def put(self, received: Received) -> None:
         """Queue a message; returns immediately."""
         with self._changed:
-            self._append(arrival)
+            self._append(received)
             self._changed.notify()
 
-    def jump(self, arrivals: list[Arrival]) -> None:
+    def jump(self, past: Past) -> None:
         """Clear the queue and continue at another time of the log, preceded by these earlier messages."""
         with self._changed:
             self._waiting.clear()
             self._n_bytes = 0
             self._is_jump = True
-            for arrival in arrivals:
-                self._append(arrival)
+            for received in past.poses:
+                self._append(received, is_past=True)
+            for received in past.newest:
+                self._append(received)
             self._changed.notify()
 
     def take(self, timeout_s: float) -> Batch:
@@ -80,7 +86,9 @@ class Arrivals:
         with self._changed:
             self._changed.notify()
 
-    def _append(self, arrival: Arrival) -> None:
+    def _append(self, received: Received, *, is_past: bool = False) -> None:
+        utime = self.epoch_us + round(received.at_s * 1e6)
+        arrival = Arrival(received.channel, utime, received.data, is_past)
         self._waiting.append(arrival)
         self._n_bytes += arrival.n_bytes
         while self._n_bytes > _MAX_BYTES:

@@ -22,7 +22,7 @@ from graphnav.watch.export.foxglove.foxglove_scene import (
     TRANSFORM_TOPIC,
 )
 from graphnav.watch.export.message_types import MessageTypes
-from graphnav.watch.spy import Announcements, Received
+from graphnav.watch.feed import Announcements, Received
 from graphnav.watch.view.foxglove.arrivals import Arrival, Batch
 from graphnav.watch.view.foxglove.losses import Losses, Reason
 from graphnav.watch.view.foxglove.message_history import MessageHistory

@@ -6,8 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from graphnav.watch.view.foxglove.log_player import LogPlayer
-from graphnav.watch.view.foxglove.playback import Playback, Request, Status
+from graphnav.watch.view.foxglove.playback import Playback, Player, Request, Status
 
 _STATUS = {Status.PLAYING: "Playing", Status.PAUSED: "Paused", Status.ENDED: "Ended"}
 
@@ -18,7 +17,7 @@ class Listener:
     ``websocket``: the module ``foxglove.websocket``. ``wake``: called on each request.
     """
 
-    def __init__(self, websocket: Any, player: LogPlayer | None, wake: Callable[[], None]) -> None:
+    def __init__(self, websocket: Any, player: Player | None, wake: Callable[[], None]) -> None:
         self._websocket, self._player, self._wake = websocket, player, wake
         self._lock = threading.Lock()
         self._new_topics: set[str] = set()

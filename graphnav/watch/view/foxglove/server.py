@@ -14,16 +14,17 @@ from graphnav.core.catalog import Catalog
 from graphnav.watch.export.entries.event_lines import outcome_lines
 from graphnav.watch.export.extras import require
 from graphnav.watch.export.foxglove.foxglove_channels import FoxgloveChannels
+from graphnav.watch.feed import Feed, LiveFeed, LogFeed
+from graphnav.watch.view.foxglove.arrivals import Arrivals
 from graphnav.watch.view.foxglove.converter import Converter
 from graphnav.watch.view.foxglove.listener import Listener
-from graphnav.watch.view.foxglove.live_feed import LiveFeed
-from graphnav.watch.view.foxglove.log_player import LogPlayer
 from graphnav.watch.view.foxglove.losses import Reason
-from graphnav.watch.view.foxglove.playback import Playback, Status
+from graphnav.watch.view.foxglove.playback import Playback, Player, Status
 from graphnav.watch.view.web.hosts import bracketed
 
 _WAIT_S = 0.05
 _COUNT_S = 1.0
+_THREAD = "graphnav-foxglove"
 _BACKLOG = 512
 """The queue length for a slow client; beyond it the oldest messages are dropped."""
 
@@ -31,14 +32,24 @@ _BACKLOG = 512
 class FoxgloveServer:
     """Serves one feed to Foxglove, or to any other client of the protocol ``foxglove.sdk.v1``.
 
-    Raises UserError if the SDK is not installed.
+    Raises UserError if the SDK is not installed, LogError if a log cannot be read, GraphnavError if it is empty.
     """
 
-    def __init__(self, source: LiveFeed | LogPlayer, catalog: Catalog) -> None:
-        self._source, self._catalog = source, catalog
-        self._player = source if isinstance(source, LogPlayer) else None
+    def __init__(self, feed: Feed, catalog: Catalog) -> None:
         self._foxglove = require("foxglove", "'--foxglove'")
         self._websocket = require("foxglove.websocket", "'--foxglove'")
+        self._catalog = catalog
+        self._arrivals = arrivals = Arrivals()
+        self._feed: LiveFeed | LogFeed
+        self._player: Player | None = None
+        if feed.is_live:
+            self._feed = LiveFeed(feed, arrivals.put, arrivals.wake, _THREAD)
+            arrivals.epoch_us = round(feed.epoch_s * 1e6)
+        else:
+            self._feed = LogFeed(feed, arrivals.put, arrivals.jump, name=_THREAD)
+            self._player = Player(self._feed)
+            arrivals.epoch_us = self._player.begin_us
+        self._n_dropped = 0
         log = logging.getLogger("foxglove")
         log.addHandler(logging.NullHandler())
         log.propagate = False
@@ -56,17 +67,19 @@ class FoxgloveServer:
             The SDK fails for another reason.
         """
         context = self._foxglove.Context()
-        converter = Converter(FoxgloveChannels(context), self._catalog, self._source.name)
+        converter = Converter(FoxgloveChannels(context), self._catalog, self._feed.name)
         if self._player is not None:
             _prepare(converter, self._player)
-        listener = Listener(self._websocket, self._player, self._source.arrivals.wake)
+        listener = Listener(self._websocket, self._player, self._arrivals.wake)
         _probe(host, port)
         server = self._start(host, port, context, listener)
+        self._feed.start()
         try:
             ready(f"ws://{bracketed(host)}:{server.port}", server.app_url() or "")
             self._loop(server, converter, listener, ending)
         finally:
             server.stop()
+            self._feed.close()
 
     def _start(self, host: str, port: int, context: Any, listener: Listener) -> Any:
         is_log = {}
@@ -75,7 +88,7 @@ class FoxgloveServer:
             is_log = {"capabilities": [self._websocket.Capability.Time], "playback_time_range": ends}
         try:
             return self._foxglove.start_server(
-                name=f"graphnav {self._source.name}",
+                name=f"graphnav {self._feed.name}",
                 host=host,
                 port=port,
                 server_listener=listener,
@@ -91,18 +104,19 @@ class FoxgloveServer:
         sent = self._player.state if self._player is not None else None
         count_due_s = time.monotonic()
         while not ending.is_set():
-            if isinstance(self._source, LiveFeed) and (now_s := time.monotonic()) >= count_due_s:
+            if (now_s := time.monotonic()) >= count_due_s:
                 count_due_s = now_s + _COUNT_S
-                if n_dropped := self._source.newly_dropped_packets():
-                    converter.losses.add(Reason.DROPPED, n=n_dropped)
-            batch = self._source.arrivals.take(_WAIT_S)
+                before, self._n_dropped = self._n_dropped, self._feed.dropped_packets()
+                if self._n_dropped > before:
+                    converter.losses.add(Reason.DROPPED, n=self._n_dropped - before)
+            batch = self._arrivals.take(_WAIT_S)
             converter.show(batch)
             if topics := listener.new_topics():
                 converter.show_again(topics)
             if sent is not None:
                 sent = self._tell_playback(server, converter, listener, sent)
-            if self._source.failure != failure:
-                failure = self._source.failure
+            if self._feed.failure not in {failure, ""}:
+                failure = " ".join(self._feed.failure.split())
                 converter.losses.add(Reason.FEED, why=failure)
 
     def _tell_playback(self, server: Any, converter: Converter, listener: Listener, sent: Playback) -> Playback:
@@ -120,7 +134,7 @@ class FoxgloveServer:
         return now
 
 
-def _prepare(converter: Converter, player: LogPlayer) -> None:
+def _prepare(converter: Converter, player: Player) -> None:
     """Offer the channels of a log before it is played, and report its damage."""
     for name, lcm_class in player.recording.channels.items():
         if lcm_class is not None:

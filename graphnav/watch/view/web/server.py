@@ -18,9 +18,9 @@ from websockets.http11 import Request, Response
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.pictures import Pictures
-from graphnav.watch.view.log_source import SPEEDS, LogSource
+from graphnav.watch.feed import LogFeed
+from graphnav.watch.view.page_feed import PageFeed
 from graphnav.watch.view.session import Session
-from graphnav.watch.view.source import Source
 from graphnav.watch.view.web.hosts import Hosts, url_of
 from graphnav.watch.view.web.page_files import SECURITY_HEADERS, page_files
 from graphnav.watch.view.web.page_requests import LogCommand, RequestError, Shown, View, parse_request
@@ -28,6 +28,7 @@ from graphnav.watch.view.web.page_requests import LogCommand, RequestError, Show
 T = TypeVar("T")
 
 UPDATES = "/updates"
+SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
 _MAX_PAGES = 8
 _MAX_REQUEST_BYTES = 4096
 _UPDATE_S = 0.2
@@ -36,14 +37,14 @@ _CLOSE_S = 1.0
 
 
 class PageServer:
-    """Serves the page of one source to up to 8 browsers.
+    """Serves the page of one feed to up to 8 browsers.
 
     Each page gets at most 5 updates per second, and the next one only after it has drawn the last, so that a slow
     browser delays only itself. One thread makes all updates.
     """
 
-    def __init__(self, source: Source, catalog: Catalog) -> None:
-        self._source, self._catalog, self._pictures = source, catalog, Pictures(catalog)
+    def __init__(self, feed: PageFeed, catalog: Catalog) -> None:
+        self._feed, self._catalog, self._pictures = feed, catalog, Pictures(catalog)
         self._files = page_files()
         self._worker = ThreadPoolExecutor(1, "graphnav-view-update")
         self._hosts: Hosts | None = None
@@ -86,7 +87,7 @@ class PageServer:
     async def _page(self, connection: ServerConnection) -> None:
         """Serve one page until it disconnects or sends an invalid request."""
         self._n_pages += 1
-        page = _Page(Session(self._source, self._catalog, self._pictures))
+        page = _Page(Session(self._feed, self._catalog, self._pictures))
         try:
             async with asyncio.TaskGroup() as both:
                 both.create_task(self._send(connection, page))
@@ -121,8 +122,8 @@ class PageServer:
                 page.session.view = command
             elif isinstance(command, Shown):
                 page.drawn = command.number
-            elif isinstance(self._source, LogSource):
-                await self._work(_apply, self._source, command, page.session.view.channel)
+            elif self._feed.log is not None:
+                await self._work(_apply, self._feed.log, command, page.session.view.channel)
 
     async def _work(self, function: Callable[..., T], *arguments: Any) -> T:
         return await asyncio.get_running_loop().run_in_executor(self._worker, function, *arguments)
@@ -136,20 +137,19 @@ class _Page:
     drawn: int = 0
 
 
-def _apply(log: LogSource, command: LogCommand, channel: str | None) -> None:
+def _apply(log: LogFeed, command: LogCommand, channel: str | None) -> None:
     """Apply a page's playback command; steps follow the open channel."""
-    with log.lock:
-        match command.action:
-            case "play":
-                log.play()
-            case "pause":
-                log.pause()
-            case "seek":
-                log.seek(command.value)
-            case "step":
-                log.step(1 if command.value > 0 else -1, channel)
-            case "speed" if command.value in SPEEDS:
-                log.set_speed(command.value)
+    match command.action:
+        case "play":
+            log.play()
+        case "pause":
+            log.pause()
+        case "seek":
+            log.seek(command.value)
+        case "step":
+            log.step(1 if command.value > 0 else -1, channel)
+        case "speed" if command.value in SPEEDS:
+            log.set_speed(command.value)
 
 
 def _response(

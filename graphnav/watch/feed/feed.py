@@ -60,6 +60,29 @@ class Feed:
         """Raise BusError early if a live feed cannot be opened."""
         require_route(with_defaults(self.name))
 
+    def open(self, take: Callable[[Received], None]) -> None:
+        """Join a group, whose messages `handle` gives to ``take``; raises BusError if LCM cannot be opened.
+
+        Nothing happens if it is open already.
+        """
+        if self._bus is not None:
+            return
+        bus = Bus(self.name)
+        bus.subscribe_all(lambda channel, data: take(Received(channel, data, time.monotonic())), _MAX_WAITING)
+        self._bus = bus
+
+    def handle(self, timeout_s: float) -> bool:
+        """Wait for one message of the open group; return whether one arrived."""
+        assert self._bus is not None
+        return self._bus.handle(timeout_s)
+
+    def close(self) -> None:
+        """Leave the group; nothing happens if it is not open."""
+        self.dropped_packets()
+        bus, self._bus = self._bus, None
+        if bus is not None:
+            bus.close()
+
     def open_log(self) -> Recording:
         """Return the log, which the caller closes; raises LogError if it cannot be read."""
         recording, self.recording = self.recording, None
@@ -71,8 +94,8 @@ class Feed:
 
     def dropped_packets(self) -> int:
         """Return the number of packets dropped by the kernel; 0 for a log."""
-        if self._bus is not None:
-            self._dropped_packets = max(self._dropped_packets, self._bus.dropped_packets())
+        if (bus := self._bus) is not None:
+            self._dropped_packets = max(self._dropped_packets, bus.dropped_packets())
         return self._dropped_packets
 
     def silence(self, for_s: float | None, channel: str | None = None) -> GraphnavError:
@@ -87,22 +110,18 @@ class Feed:
 
     def _live(self, for_s: float | None) -> Generator[Received | None]:
         waiting: deque[Received] = deque()
-        bus = Bus(self.name)
-        bus.subscribe_all(lambda channel, data: waiting.append(Received(channel, data, time.monotonic())), _MAX_WAITING)
-        self._bus = bus
+        self.open(waiting.append)
         end_s = time.monotonic() + for_s if for_s is not None else None
         try:
             while (left_s := _PATIENCE_S if end_s is None else end_s - time.monotonic()) > 0:
-                bus.handle(min(left_s, _PATIENCE_S))
-                while len(waiting) < _AT_ONCE and bus.handle(0.0):
+                self.handle(min(left_s, _PATIENCE_S))
+                while len(waiting) < _AT_ONCE and self.handle(0.0):
                     pass
                 yield from waiting
                 waiting.clear()
                 yield None
         finally:
-            self.dropped_packets()
-            self._bus = None
-            bus.close()
+            self.close()
 
     def _recorded(self) -> Generator[Received | None]:
         with self.open_log() as recording:

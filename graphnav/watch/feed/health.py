@@ -9,8 +9,8 @@ from typing import Any
 from graphnav import About, GuardState, Status
 from graphnav.core.codec import DecodeError, decode, fingerprint
 from graphnav.core.record import ABOUT, silent_after_s
-from graphnav.watch.spy.announcements import MAX_RUNS, RUN_SILENT_S
-from graphnav.watch.spy.feed import Received
+from graphnav.watch.feed.announcements import MAX_RUNS, RUN_SILENT_S
+from graphnav.watch.feed.feed import Received
 
 _GUARD_SILENT_S = silent_after_s(None)
 """A guard, which sends its state many times a second, is silent after this time without one."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from graphnav import About
 from graphnav.core.codec import DecodeError, decode
 from graphnav.core.record import silent_after_s
-from graphnav.watch.spy.feed import Received
+from graphnav.watch.feed.feed import Received
 
 MAX_RUNS = 32
 RUN_SILENT_S = silent_after_s(1.0)

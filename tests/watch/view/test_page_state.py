@@ -12,22 +12,23 @@ from graphnav.core.codec import codec_of, encode
 from graphnav.core.messages import About, Image, State, Status, Twist
 from graphnav.core.record import ABOUT
 from graphnav.core.typeinfo import load_types
-from graphnav.watch.spy import Received
-from graphnav.watch.view.watch import Watch
+from graphnav.watch.feed import MAX_CHANNELS, Received
+from graphnav.watch.view.page_feed import PageState
 
 TWIST = Twist(0.1, 0.2)
 
 
 class Ear:
-    """A watch on a clock that the test moves."""
+    """The state of a page on a clock that the test moves."""
 
     def __init__(self) -> None:
         self.now_s = 0.0
-        self.watch = Watch(lambda: self.now_s)
+        self.state = PageState(lambda: self.now_s)
+        self.watch = self.state.watch
 
     def receive(self, channel: str, data: bytes, after_s: float = 0.0) -> None:
         self.now_s += after_s
-        self.watch.receive(Received(channel, data, self.now_s))
+        self.state.receive(Received(channel, data, self.now_s))
 
 
 @pytest.fixture
@@ -96,8 +97,8 @@ def test_garbage_is_counted_and_bounded(ear: Ear) -> None:
         flipped[rng.randrange(len(good))] ^= 1 << rng.randrange(8)
         ear.receive("flipped", bytes(flipped), 0.0001)
     watch = ear.watch
-    assert len(watch.channels) <= 256
-    assert sum(channel.count for channel in watch.channels.values()) + watch.untracked == watch.count == 60_000
+    assert len(watch.channels) <= MAX_CHANNELS
+    assert sum(channel.count for channel in watch.channels.values()) + watch.overflow == watch.count == 60_000
     assert watch.undecodable > 40_000
     assert watch.channels["control.twist"].undecodable == 20_000
 
@@ -111,10 +112,11 @@ def test_announced_channels_find_room_among_noise(ear: Ear) -> None:
 
 
 def test_silent_channels_make_room(ear: Ear) -> None:
-    for k in range(256):
+    for k in range(MAX_CHANNELS):
         ear.receive(f"noise {k}", b"x")
     ear.receive("new", b"x", after_s=61)
     assert "new" in ear.watch.channels
+    assert (ear.watch.overflow, ear.watch.count) == (MAX_CHANNELS, MAX_CHANNELS + 1), "the forgotten are counted"
 
 
 def test_runs_are_bounded(ear: Ear) -> None:
@@ -123,7 +125,7 @@ def test_runs_are_bounded(ear: Ear) -> None:
         status = Status(f"run {k}", "g", False, 0, 0, 0, 0, 0, 0, "", (), (), (), ())
         ear.receive("graphnav.status", encode(status, 0, k), 0.01)
     assert len(ear.watch.announcements.runs) == 32
-    assert len(ear.watch.health.runs) == 32
+    assert len(ear.state.health.runs) == 32
 
 
 def test_the_newest_living_run_is_shown_unless_one_is_chosen(ear: Ear) -> None:
@@ -147,7 +149,7 @@ def test_large_messages_are_bounded_together(ear: Ear) -> None:
     for k in range(20):
         ear.receive(f"large {k}", data)
     kept = [channel for channel in ear.watch.channels.values() if channel.newest is not None]
-    assert len(kept) == 8
+    assert len(kept) == 16
     assert all(channel.is_too_large for channel in ear.watch.channels.values() if channel not in kept)
 
 
@@ -166,7 +168,7 @@ def state(x_m: float) -> State:
 def test_the_path_is_thinned_and_restarts_with_a_new_run(ear: Ear) -> None:
     for k in range(10_000):
         ear.receive("robot.state", encode(state(0.01 * k), k * 1000, k), 0.001)
-    track = ear.watch.track_of(None)
+    track = ear.state.track_of(None)
     assert 1000 < len(track.points_m) <= 4000
     assert track.points_m[0] == (0, 0)
     assert track.points_m == sorted(track.points_m)
@@ -180,4 +182,4 @@ def test_the_path_is_thinned_and_restarts_with_a_new_run(ear: Ear) -> None:
 
 def test_a_pose_that_is_not_finite_is_left_aside(ear: Ear) -> None:
     ear.receive("robot.state", encode(state(float("nan")), 0, 0))
-    assert ear.watch.track_of(None).pose is None
+    assert ear.state.track_of(None).pose is None

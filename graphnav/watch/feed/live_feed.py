@@ -1,0 +1,86 @@
+"""A thread that receives a multicast group until it is stopped."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from graphnav import GraphnavError
+from graphnav.core.errors import BusError
+from graphnav.watch.feed.feed import Feed, Received
+
+_POLL_S = 0.05
+_MAX_LEFT = 50_000
+"""Messages that are handed over after the end, if that many had arrived before."""
+
+
+class LiveFeed:
+    """Hands every message of a group to ``take`` as it arrives, in a thread that waits for nothing else.
+
+    It may start before any publisher, and outlives publishers. ``take`` is called with ``lock`` held. ``failure``: why
+    nothing is received, empty while it is; ``wake`` is called when it has changed.
+    """
+
+    def __init__(
+        self,
+        feed: Feed,
+        take: Callable[[Received], None],
+        wake: Callable[[], None] = lambda: None,
+        name: str = "graphnav-feed",
+    ) -> None:
+        self.name, self.failure = feed.name, ""
+        self.lock = threading.Lock()
+        self._feed, self._take, self._wake = feed, take, wake
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._listen, name=name, daemon=True)
+
+    def open(self) -> None:
+        """Join the group now, not in the thread; raises BusError if LCM cannot be opened."""
+        self._feed.open(self._receive)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop after all messages that had arrived were handed over; leave the group."""
+        self._closing.set()
+        if self._thread.is_alive():
+            self._thread.join()
+        self._feed.close()
+
+    def dropped_packets(self) -> int:
+        """Return the number of packets dropped by the kernel."""
+        return self._feed.dropped_packets()
+
+    def _listen(self) -> None:
+        try:
+            self.open()
+        except (GraphnavError, OSError) as error:
+            self._fail(str(error))
+            return
+        while not self._closing.is_set():
+            self._handle(_POLL_S)
+        for _ in range(_MAX_LEFT):
+            if not self._handle(0.0):
+                break
+
+    def _handle(self, timeout_s: float) -> bool:
+        """Wait for a message and hand it over; return whether one arrived."""
+        try:
+            has_arrived = self._feed.handle(timeout_s)
+        except (BusError, OSError, RuntimeError) as error:
+            self._fail(str(error))
+            self._closing.wait(_POLL_S)
+            return False
+        self._fail("")
+        return has_arrived
+
+    def _fail(self, why: str) -> None:
+        if why != self.failure:
+            self.failure = why
+            self._wake()
+
+    def _receive(self, received: Received) -> None:
+        with self.lock:
+            self._take(received)
