@@ -21,7 +21,7 @@ BREAKS = {
     "layers-exhaustive": ("graphnav/core/stray.py", "", "Imports in the core point down"),
     "rooms": ("graphnav/core/api/run.py", "import graphnav.live.run", "Rooms use the core and do not know each other"),
     "rooms-apart": (
-        "graphnav/watch/spy/feed.py",
+        "graphnav/watch/feed/feed.py",
         "import graphnav.live.run",
         "Rooms use the core and do not know each other",
     ),

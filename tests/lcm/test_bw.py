@@ -99,7 +99,7 @@ def test_programs_are_told_what_spy_tells_them(log: Path, capsys: pytest.Capture
     assert said["feed"] == str(log)
     assert set(said["channels"]) == set(spied["channels"])
     for name, one in said["channels"].items():
-        assert set(one) == SAID_BY[command] | {"type", "messages", "lost", "silent_s"}
+        assert set(one) == SAID_BY[command] | {"type", "messages", "lost", "lost_since_restart", "silent_s"}
         assert one.items() <= spied["channels"][name].items()
     only = said_as_json(capsys, command, "CAMERA", str(log))
     assert only == {"feed": str(log), "dropped_packets": 0, "channels": {"CAMERA": said["channels"]["CAMERA"]}}

@@ -94,6 +94,7 @@ def test_programs_are_told_the_same(tmp_path: Path, capsys: pytest.CaptureFixtur
         "min_bytes": 40,
         "max_bytes": 40,
         "lost": 3,
+        "lost_since_restart": 3,
         "restarts": 0,
         "undecodable": 0,
     }

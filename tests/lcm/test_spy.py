@@ -114,6 +114,7 @@ def test_spy_tells_programs_the_same(log: Path, capsys: pytest.CaptureFixture[st
         "mean_bytes": 152,
         "max_bytes": 152,
         "lost": 0,
+        "lost_since_restart": 0,
         "undecodable": 0,
         "fields": None,
     }

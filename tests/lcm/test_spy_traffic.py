@@ -43,11 +43,11 @@ def test_lost_messages_are_counted_and_leave_the_rate_as_it_is() -> None:
     assert watch.channels["x"].rate_hz == pytest.approx(10)
 
 
-def test_a_new_run_resets_the_count() -> None:
+def test_a_new_run_starts_another_count() -> None:
     watch = Watch()
-    for k in (500, 501, 502, 0, 1, 2):
+    for k in (500, 501, 503, 0, 1, 2):
         watch.receive(Received("x", twist_at(k), k))
-    assert watch.channels["x"].lost == 0
+    assert (watch.channels["x"].lost, watch.channels["x"].lost_since_restart) == (1, 0)
     assert watch.channels["x"].rate_hz == pytest.approx(10)
     assert watch.channels["x"].count == 6
 
@@ -56,7 +56,7 @@ def test_a_jump_of_the_numbers_is_a_new_numbering() -> None:
     watch = Watch()
     for k in (0, 1, 4, 2**40, 2**40 + 1):
         watch.receive(Received("x", encode(Twist(0.1, 0.2), 0, k), 0))
-    assert watch.channels["x"].lost == 0
+    assert (watch.channels["x"].lost, watch.channels["x"].lost_since_restart) == (2, 0)
 
 
 def test_two_writers_in_turn_lose_nothing_and_have_a_rate() -> None:

@@ -194,7 +194,12 @@ class ChannelAccount:
 
     @property
     def lost(self) -> int:
-        """The number of missing messages since the numbering restarted."""
+        """The number of missing messages, by sequence numbers."""
+        return self.counts.gaps.lost
+
+    @property
+    def lost_since_restart(self) -> int:
+        """The number of missing messages since a sender restarted its numbers."""
         return self.counts.gaps.lost_since_restart
 
     def transport_age_s(self, clock_offset_s: float) -> float | None:

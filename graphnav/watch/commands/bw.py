@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 _KEYS = """\
   type, messages, lost    as in spy: messages received, and missing by their sequence numbers
+  lost_since_restart      of these, since a sender restarted its numbers
   bytes_per_s             bandwidth; null below two messages and on a silent channel
   bytes                   of the newest message
   min_bytes, mean_bytes, max_bytes

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from graphnav.watch.feed import Watch, WatchedChannel
 
 _KEYS = """\
-  type, messages, lost    as spy says them: messages received, and missing by their numbers
+  type, messages, lost    as in spy: messages received, and missing by their sequence numbers
+  lost_since_restart      of these, since a sender restarted its numbers
   rate_hz, wall_rate_hz   by the messages' own stamps, and as they arrived; null where there is none
   period_min_s, period_max_s, period_std_s, wall_period_min_s, ...
                           of the periods between consecutive messages, on either clock

@@ -41,6 +41,7 @@ def _channel(channel: ChannelInfo) -> dict[str, Any]:
         "min_bytes": channel.min_bytes,
         "max_bytes": channel.max_bytes,
         "lost": channel.lost,
+        "lost_since_restart": channel.lost_since_restart,
         "restarts": channel.n_restarts,
         "undecodable": channel.undecodable,
     }

@@ -64,6 +64,11 @@ class ChannelInfo(ChannelCounts):
         return self.gaps.lost if self.kind is not None and self.kind.is_stamped else None
 
     @property
+    def lost_since_restart(self) -> int | None:
+        """The number of missing sequence numbers since a sender restarted them, None if messages have none."""
+        return None if self.lost is None else self.gaps.lost_since_restart
+
+    @property
     def n_restarts(self) -> int | None:
         """How often the numbering restarted, None if messages have no numbers."""
         return None if self.lost is None else max(0, self.gaps.n_restarts)

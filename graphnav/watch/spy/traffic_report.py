@@ -66,6 +66,7 @@ def _volume_as_json(channel: WatchedChannel) -> dict[str, Any]:
         "type": channel.type_name,
         "messages": channel.count,
         "lost": channel.lost,
+        "lost_since_restart": channel.lost_since_restart,
         "silent_s": channel.silent_s,
     }
 
