@@ -18,7 +18,7 @@ _MAX_BEFORE = 20_000
 
 
 class Past(NamedTuple):
-    """What a viewer that begins at another time of a log needs of the messages before it.
+    """The messages before another time of a log, as a viewer that begins there needs them.
 
     ``poses``: of the robot's path, thinned; ``newest``: the last message of each channel, oldest first, with all of the
     last seconds if they are wanted. Both are read from the file while they are iterated, once.

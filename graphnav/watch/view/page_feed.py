@@ -1,4 +1,4 @@
-"""What the page shows of a feed, live or a log that is played: channels, runs, health, the robot's paths."""
+"""The state of the page: channels, runs, health and paths of a feed, live or a log that is played."""
 
 from __future__ import annotations
 
