@@ -65,11 +65,21 @@ def test_the_core_is_tested_without_all_rooms(tmp_path: Path) -> None:
     tree = tree_without(ROOMS, tmp_path)
     done = python(tree, "-c", IMPORTED)
     assert done.returncode == 0, done.stderr
+    _test(tree, "-m", "not long", *(f"tests/core/{name}" for name in TESTED))
+
+
+@pytest.mark.slow
+def test_all_of_the_core_is_tested_without_all_rooms(tmp_path: Path) -> None:
+    _test(tree_without(ROOMS, tmp_path), "-n", "2", "tests/core")
+
+
+def _test(tree: Path, *words: str) -> None:
+    """Run tests of the core where that copy is imported, and see that they pass."""
     for part in ("core", "errors", "fixtures"):
         shutil.copytree(ROOT / "tests" / part, tree / "tests" / part)
     for name in ("tests/conftest.py", "tests/targets.py", "tests/forked_commands.py", "pyproject.toml", "README.md"):
         shutil.copy2(ROOT / name, tree / name)
     (tree / "tools").mkdir()
-    folders = [f"tests/core/{name}" for name in TESTED]
-    done = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not long", *folders)
+    done = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words)
     assert done.returncode == 0, done.stdout[-4000:]
+    print(done.stdout.splitlines()[-1])

@@ -26,7 +26,6 @@ from graphnav.core.runner.recording.progress_file import ProgressFile, last_call
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.spec.declared.plugin_formats import plugin_formats
-from graphnav.watch.loginfo import unfinished
 from tests.core.runner.misbehaving import KINDS, SUMMARIES
 from tests.forked_commands import forked_graphnav
 
@@ -284,6 +283,7 @@ def test_a_stall_limit_that_is_not_one_is_refused(words: str, capsys: pytest.Cap
 def test_readers_tell_which_stage_ended_the_process(
     tmp_path: Path, kind: str, reader: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    pytest.importorskip("graphnav.watch")
     command(tmp_path, faulty(kind, "step"))
     main([reader, str(tmp_path / "out")])
     said = "the run did not finish: its process ended early; the last call was step of stage 'b' (odd.faulty) at 0.20 s"
@@ -293,6 +293,7 @@ def test_readers_tell_which_stage_ended_the_process(
 def test_a_run_that_finished_leaves_no_progress(
     tmp_path: Path, run: Callable[[str], tuple[Summary, Recording]]
 ) -> None:
+    unfinished = pytest.importorskip("graphnav.watch.loginfo").unfinished
     run(graph_text("faulty"))
     assert unfinished(tmp_path / "run" / LOG) == ""
     assert not (tmp_path / "run" / "progress").exists()
@@ -302,6 +303,7 @@ def test_a_run_that_finished_leaves_no_progress(
 def test_damaged_progress_is_not_read(
     tmp_path: Path, run: Callable[[str], tuple[Summary, Recording]], content: bytes
 ) -> None:
+    unfinished = pytest.importorskip("graphnav.watch.loginfo").unfinished
     run(graph_text("faulty"))
     (tmp_path / "run" / "summary.json").unlink()
     (tmp_path / "run" / "progress").write_bytes(content)
@@ -309,6 +311,7 @@ def test_damaged_progress_is_not_read(
 
 
 def test_a_run_in_progress_says_so(tmp_path: Path, run: Callable[[str], tuple[Summary, Recording]]) -> None:
+    unfinished = pytest.importorskip("graphnav.watch.loginfo").unfinished
     run(graph_text("faulty"))
     (tmp_path / "run" / "summary.json").unlink()
     with ProgressFile(tmp_path / "run", {"b": "odd.faulty"}) as progress:

@@ -10,7 +10,7 @@ import pytest
 from graphnav.core.cli import main
 
 COLS = 80
-TOYS = Path(__file__).parent.parent.parent / "errors" / "stages.py"
+TOYS = Path(__file__).parent.parent / "errors" / "stages.py"
 
 
 @pytest.fixture(autouse=True)

@@ -14,7 +14,7 @@ from graphnav.core.messages import Twist
 from graphnav.core.record import LogWriter, Recording
 
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
-STAGES = Path(__file__).parent.parent / "runner" / "stages.py"
+STAGES = Path(__file__).parent.parent / "core" / "runner" / "stages.py"
 FAILING = """
 run: {until_s: 2}
 stages:
