@@ -135,3 +135,27 @@ def test_what_a_step_prints_stays_together_and_a_failure_is_named(
     assert check.main() == 1
     printed = re.sub(r"\d+ s", "0 s", capsys.readouterr().out)
     assert printed == ("== docs\nfine\n== docs: ok, 0 s\n== types\nbad\n== types: FAILED, 0 s\nfailed: types\n")
+
+
+@pytest.mark.parametrize(("alone", "status"), [("first", 0), ("never", 1)])
+def test_a_test_that_fails_beside_others_runs_again_alone_and_is_named(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path, alone: str, status: int
+) -> None:
+    (tmp_path / "test_it.py").write_text(
+        "import pathlib\nran = pathlib.Path(__file__).with_name('ran')\n"
+        "def test_good(): ...\n"
+        "def test_late():\n    before = ran.exists()\n    ran.touch()\n"
+        f"    assert before and {alone!r} == 'first'\n"
+    )
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    monkeypatch.setattr(check, "ROOT", tmp_path)
+    monkeypatch.setattr(check, "STEPS", {"tests": [sys.executable, "-m", "pytest", "-q"]})
+    monkeypatch.setattr(check, "are_compiled", lambda _: True)
+    monkeypatch.setattr(sys, "argv", ["check.py"])
+    assert check.main() == status
+    printed = capfd.readouterr().out
+    assert ("failed beside others and passed alone: test_it.py::test_late\nall ok" in printed) == (status == 0)
+    assert [line.partition(" in ")[0] for line in printed.splitlines() if " in " in line] == [
+        "1 failed, 1 passed",
+        "1 failed" if status else "1 passed",
+    ], "alone runs only what failed"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -44,8 +45,10 @@ QUICK = ["format", "lint", "types", "architecture", "changed"]
 """The steps of ``quick``; types take no time where mypy has its cache."""
 WITHIN_S = 30
 """How long ``changed`` goes on starting tests."""
-NO_TESTS = 5
-"""Status of pytest where all tests take long."""
+TESTS_FAILED, NO_TESTS = 1, 5
+"""Status of pytest where tests failed, and where all take long."""
+FEW = 5
+"""So many failed tests, at most, run again alone: on a machine that others load, one that waits may wait too long."""
 
 CORE = [f"tests/core/{name}" for name in ("spec", "graph", "catalog", "stage", "messages", "codec", "record", "runner")]
 """Tests that ``changed`` runs where no test belongs to what has changed."""
@@ -145,8 +148,22 @@ def _run(step: str, *, is_shown: bool) -> tuple[bool, str]:
         command_of(step), cwd=ROOT, env=_environment(), stdout=where, stderr=errors, text=True, check=False
     )
     has_failed = done.returncode != 0 and not (step == "changed" and done.returncode == NO_TESTS)
-    verdict = f"== {step}: {'FAILED' if has_failed else 'ok'}, {time.monotonic() - begin:.0f} s\n"
+    told = ""
+    if step == "tests" and done.returncode == TESTS_FAILED and 0 < len(failed := last_failed(ROOT)) <= FEW:
+        print("== alone: what failed beside others", flush=True)
+        alone = [sys.executable, "-m", "pytest", "-q", "-p", "no:xdist", *failed]
+        has_failed = subprocess.run(alone, cwd=ROOT, env=_environment(), check=False).returncode != 0
+        told = "" if has_failed else f", but failed beside others and passed alone: {', '.join(failed)}"
+    verdict = f"== {step}: {'FAILED' if has_failed else 'ok'}, {time.monotonic() - begin:.0f} s{told}\n"
     return has_failed, (done.stdout or "") + verdict
+
+
+def last_failed(root: Path) -> list[str]:
+    """Return the tests that failed when pytest last ran."""
+    try:
+        return list(json.loads((root / ".pytest_cache/v/cache/lastfailed").read_text()))
+    except FileNotFoundError:
+        return []
 
 
 def _environment() -> dict[str, str]:
