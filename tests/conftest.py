@@ -19,10 +19,10 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from graphnav.core.bus import require_route
+from graphnav.core.bus import Bus
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import BusError
-from graphnav.core.graph import Graph, graph_of, parse_override
+from graphnav.core.graph import Graph, Override, graph_of
 from tests.forked_commands import FOLDER
 from tests.targets import Targets
 
@@ -204,7 +204,7 @@ def disk_of() -> Callable[[int], AbstractContextManager[None]]:
 def group() -> str:
     """Return the multicast group of this process, where its runs are tapped; skip where there is no route."""
     try:
-        require_route(_URL)
+        Bus.require_route(_URL)
     except BusError as error:
         pytest.skip(str(error))
     return _URL
@@ -223,6 +223,6 @@ def load(toys: Catalog, tmp_path: Path) -> Callable[..., Graph]:
     """Return a function that loads the text of a graph, as if it stood in an empty folder."""
 
     def loaded(text: str = LOOP, *sets: str) -> Graph:
-        return graph_of(text.encode(), tmp_path / "graph.yaml", toys, [*map(parse_override, sets)], "graph.yaml")
+        return graph_of(text.encode(), tmp_path / "graph.yaml", toys, [*map(Override.parse, sets)], "graph.yaml")
 
     return loaded

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import os
 import re
 import shutil
@@ -13,6 +14,9 @@ from itertools import zip_longest
 from pathlib import Path
 
 import pytest
+from reference_pages.doors import doors
+
+import graphnav
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -179,3 +183,14 @@ def test_the_walk_through_the_code_visits_every_file_once() -> None:
     assert len(files) > 20
     assert len(set(files)) == len(files)
     assert [file for file in files if not (ROOT / "graphnav" / file).is_file()] == []
+
+
+def test_rooms_take_public_names_from_graphnav() -> None:
+    public = {name: getattr(graphnav, name) for name in dir(graphnav)}
+    taken = [
+        f"{module}: {name}"
+        for module, names in doors().items()
+        for name in names
+        if name in public and getattr(importlib.import_module(module), name) is public[name]
+    ]
+    assert not taken, "import them from graphnav"

@@ -18,7 +18,7 @@ from graphnav_lcm import image_t, odometry_t, twist_t
 from graphnav import Flow, Image, Latest, Odometry, Since
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import load_graph
-from graphnav.core.graph.overrides.option_text import parse_overrides
+from graphnav.core.graph.overrides.override import Override
 
 GRAPH = "navigate_live"
 
@@ -28,7 +28,7 @@ class Bare:
 
     def __init__(self, url: str, sets: Sequence[str]) -> None:
         self._lcm = lcm.LCM(url)
-        self._stages: dict[str, Any] = dict(load_graph(GRAPH, Catalog(), parse_overrides(sets, [])).make_stages())
+        self._stages: dict[str, Any] = dict(load_graph(GRAPH, Catalog(), Override.parse_all(sets, [])).make_stages())
         for stage in self._stages.values():
             stage.reset(0)
         self._seen: tuple[int, Image, Flow] | None = None

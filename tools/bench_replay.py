@@ -8,8 +8,8 @@ from pathlib import Path
 
 from graphnav import Recording
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override
-from graphnav.core.record import LOG
+from graphnav.core.graph import Override, load_graph
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.replay.log.log_graph import graph_to_replay
 from graphnav.replay.replay import ReplayOptions, replay
@@ -25,12 +25,12 @@ def measure(until_s: float = UNTIL_S, play: tuple[str, ...] = PLAY) -> dict[str,
     """Return the wall seconds of one run and of one replay of it, and their ratio."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        graph = load_graph(GRAPH, Catalog(), [*map(parse_override, (f"run.until_s={until_s}", "run.record=all", SLOW))])
+        graph = load_graph(GRAPH, Catalog(), [*map(Override.parse, (f"run.until_s={until_s}", "run.record=all", SLOW))])
         stages = graph.make_stages()
         begin_s = time.monotonic()
         summary = run_recorded(graph, stages, folder)
         run_s = time.monotonic() - begin_s
-        with Recording(folder / LOG) as recording:
+        with Recording(folder / RunFolder.LOG) as recording:
             made = graph_to_replay(recording, Catalog())
             begin_s = time.monotonic()
             result = replay(recording, made, ReplayOptions(play))

@@ -20,7 +20,7 @@ from PIL import ImageDraw, ImageFont
 
 from graphnav import Image, LocalMap, Map, Plane, Recording, State, Steering
 from graphnav.arrays import Bytes
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 
 ROOT = Path(__file__).resolve().parents[1]
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
@@ -39,7 +39,7 @@ _KINDS = (Image, Plane, LocalMap, Steering, State)
 def draw(run: Path, target: Path) -> None:
     """Draw the log of a run, from its first map to its end."""
     pictures = []
-    with Recording(run / LOG) as recording:
+    with Recording(run / RunFolder.LOG) as recording:
         signals = Signals(recording)
         first, world, track = signals.first(Image), signals.first(Map), track_of(signals)
         assert first is not None

@@ -30,7 +30,7 @@ import graphnav
 from graphnav import Flow, Planar, Recording, Truth, block_mean
 from graphnav.arrays import Bools, Floats
 from graphnav.core.errors import Problem, UserError, printable
-from graphnav.core.graph import parse_overrides
+from graphnav.core.graph import Override
 
 GRAPH = Path(__file__).with_suffix(".yaml")
 FIRST_SEED = 100
@@ -113,7 +113,7 @@ def _planned(number: int | None) -> Sequence[Drive]:
 def _given(texts: Sequence[str]) -> dict[str, object]:
     """Return what ``--set`` says, value by target."""
     problems: list[Problem] = []
-    overrides = parse_overrides(texts, problems)
+    overrides = Override.parse_all(texts, problems)
     if problems:
         raise UserError(problems)
     return {str(override.target): override.value for override in overrides}

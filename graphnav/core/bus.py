@@ -15,23 +15,17 @@ from graphnav.core.large_messages.child import PACKET_BYTES
 from graphnav.core.large_messages.sender import LargeSender
 from graphnav.core.machine.packet_drops import dropped_packets, own_sockets, receive_buffer_bytes
 from graphnav.core.machine.packet_filter import filter_packets
-from graphnav.core.machine.receive_buffer import RECEIVE_BUFFER_BYTES
+from graphnav.core.machine.receive_buffer import ReceiveBuffer
 from graphnav.core.notices import print_notice
 
 Handler = Callable[[str, bytes], None]
 
 _HOST, _PORT = "239.255.76.67", 7667
-GROUP = f"udpm://{_HOST}:{_PORT}?ttl=0"
-"""The multicast group where LCM's own tools listen by default; it does not leave the machine."""
-
-MAKE_ROUTE = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo"
-"""The commands, run as root, that enable multicast on a machine without a network."""
-
 _MAX_TTL = 255
 _SELF_TEST = "LCM_SELF_TEST"
 _ALL = "(?s).*"
 """Also matches names with line breaks, unlike a plain dot."""
-_DEFAULTS = {"ttl": "0", "recv_buf_size": str(RECEIVE_BUFFER_BYTES)}
+_DEFAULTS = {"ttl": "0", "recv_buf_size": str(ReceiveBuffer.REQUESTED_BYTES)}
 
 
 class Bus:
@@ -46,12 +40,17 @@ class Bus:
     Raises BusError if LCM cannot be opened; without a multicast route the error names the command that adds one.
     """
 
+    GROUP = f"udpm://{_HOST}:{_PORT}?ttl=0"
+    """The multicast group where LCM's own tools listen by default; it does not leave the machine."""
+    MAKE_ROUTE = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo"
+    """The commands, run as root, that enable multicast on a machine without a network."""
+
     def __init__(self, url: str = "memq://", notice: Callable[[str], None] = print_notice) -> None:
         import lcm
 
-        self.url = with_defaults(url)
+        self.url = Bus.with_defaults(url)
         if self.url.startswith("udpm:"):
-            require_route(self.url)
+            Bus.require_route(self.url)
         try:
             self._lcm = lcm.LCM(self.url)
         except RuntimeError as error:
@@ -177,63 +176,65 @@ class Bus:
             filter_packets(urlsplit(self.url).port or _PORT)
         self._subscriptions.append(subscription)
 
+    @staticmethod
+    def with_defaults(url: str) -> str:
+        """Return a URL whose defaults keep `udpm` traffic on this machine and request a large receive buffer.
 
-def with_defaults(url: str) -> str:
-    """Return a URL whose defaults keep `udpm` traffic on this machine and request a large receive buffer.
+        The default port is that of LCM. Raises BusError if it is not a URL.
+        """
+        try:
+            parts = urlsplit(url)
+            port = parts.port
+        except ValueError as error:
+            raise BusError(f"LCM does not open {url}: {error}") from error
+        if parts.scheme != "udpm":
+            return url
+        options = _DEFAULTS | dict(parse_qsl(parts.query))
+        group = parts.netloc or _HOST
+        if port is None:
+            group = f"{group.removesuffix(':')}:{_PORT}"
+        return f"udpm://{group}?{urlencode(options)}"
 
-    The default port is that of LCM. Raises BusError if it is not a URL.
-    """
-    try:
+    @staticmethod
+    def requested_buffer(url: str) -> int:
+        """Return the receive buffer that a URL requests; 0 for the kernel's default, which LCM takes for nonsense."""
+        size = dict(parse_qsl(urlsplit(Bus.with_defaults(url)).query)).get("recv_buf_size", "")
+        return int(size) if size.isdecimal() else 0
+
+    @staticmethod
+    def same_group(one: str, other: str) -> bool:
+        """Whether two URLs have the same multicast group and port, regardless of their options."""
+        return urlsplit(Bus.with_defaults(one))[:2] == urlsplit(Bus.with_defaults(other))[:2]
+
+    @staticmethod
+    def require_route(url: str) -> None:
+        """Raise NoRouteError, with the command that fixes it, if no multicast route leads to the URL's group.
+
+        Raises BusError if it has no multicast group, or port 0.
+        """
         parts = urlsplit(url)
-        port = parts.port
-    except ValueError as error:
-        raise BusError(f"LCM does not open {url}: {error}") from error
-    if parts.scheme != "udpm":
-        return url
-    options = _DEFAULTS | dict(parse_qsl(parts.query))
-    group = parts.netloc or _HOST
-    if port is None:
-        group = f"{group.removesuffix(':')}:{_PORT}"
-    return f"udpm://{group}?{urlencode(options)}"
-
-
-def requested_buffer(url: str) -> int:
-    """Return the receive buffer that a URL requests; 0 for the kernel's default, which LCM takes for nonsense."""
-    size = dict(parse_qsl(urlsplit(with_defaults(url)).query)).get("recv_buf_size", "")
-    return int(size) if size.isdecimal() else 0
+        if not _is_multicast(parts.hostname or ""):
+            raise BusError(
+                f"'{parts.hostname}' is not a multicast address", f"write {Bus.GROUP}, or another group of 239.0.0.0/8"
+            )
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                if parts.port == 0:
+                    raise BusError(
+                        f"port 0 of {parts.hostname} is not a port to listen on", f"write {Bus.GROUP}, or another port"
+                    )
+                probe.connect((parts.hostname or "", parts.port or _PORT))
+            except OSError as error:
+                raise NoRouteError(
+                    f"no multicast route to {parts.hostname}", f"run as root: {Bus.MAKE_ROUTE}"
+                ) from error
+            except ValueError as error:
+                raise BusError(f"LCM does not open {url}: {error}") from error
 
 
 def fits_packet(channel: str, data: bytes) -> bool:
     """Whether LCM sends a message in one packet."""
     return len(channel.encode("utf-8", "surrogateescape")) + 1 + len(data) <= PACKET_BYTES
-
-
-def same_group(one: str, other: str) -> bool:
-    """Whether two URLs have the same multicast group and port, regardless of their options."""
-    return urlsplit(with_defaults(one))[:2] == urlsplit(with_defaults(other))[:2]
-
-
-def require_route(url: str) -> None:
-    """Raise NoRouteError, with the command that fixes it, if no multicast route leads to the URL's group.
-
-    Raises BusError if it has no multicast group, or port 0.
-    """
-    parts = urlsplit(url)
-    if not _is_multicast(parts.hostname or ""):
-        raise BusError(
-            f"'{parts.hostname}' is not a multicast address", f"write {GROUP}, or another group of 239.0.0.0/8"
-        )
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            if parts.port == 0:
-                raise BusError(
-                    f"port 0 of {parts.hostname} is not a port to listen on", f"write {GROUP}, or another port"
-                )
-            probe.connect((parts.hostname or "", parts.port or _PORT))
-        except OSError as error:
-            raise NoRouteError(f"no multicast route to {parts.hostname}", f"run as root: {MAKE_ROUTE}") from error
-        except ValueError as error:
-            raise BusError(f"LCM does not open {url}: {error}") from error
 
 
 def _large_sender(url: str, notice: Callable[[str], None]) -> LargeSender:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
-from graphnav.core.bus import GROUP, require_route, with_defaults
+from graphnav.core.bus import Bus
 from graphnav.core.errors import BusError, Place, UserError
 from graphnav.core.graph import Graph
 
@@ -23,7 +23,7 @@ def lcm_url(*choices: tuple[str, str | None]) -> str:
     UserError
         The URL cannot reach other programs.
     """
-    return with_defaults(_chosen(choices))
+    return Bus.with_defaults(_chosen(choices))
 
 
 def live_url(graph: Graph, given: str | None, option: str = "--url") -> str:
@@ -49,18 +49,20 @@ def tap_url() -> str:
     """
     url = _chosen(())
     options = dict(parse_qsl(urlsplit(url).query)) | {"ttl": "0"}
-    return f"udpm://{urlsplit(with_defaults(url)).netloc}?{urlencode(options)}"
+    return f"udpm://{urlsplit(Bus.with_defaults(url)).netloc}?{urlencode(options)}"
 
 
 def _chosen(choices: tuple[tuple[str, str | None], ...]) -> str:
     """Return the URL as written, after checking it."""
     default = DEFAULT_URL, os.environ.get(DEFAULT_URL) or None
-    where, url = next(((where, url) for where, url in (*choices, default) if url is not None), ("", GROUP))
+    where, url = next(((where, url) for where, url in (*choices, default) if url is not None), ("", Bus.GROUP))
     place = Place(where) if where else None
     if not url.startswith("udpm://"):
-        raise UserError.of(f"'{url}' is not a udpm:// URL", f"write {GROUP}, or another group of 239.0.0.0/8", place)
+        raise UserError.of(
+            f"'{url}' is not a udpm:// URL", f"write {Bus.GROUP}, or another group of 239.0.0.0/8", place
+        )
     try:
-        require_route(with_defaults(url))
+        Bus.require_route(Bus.with_defaults(url))
     except BusError as error:
         raise UserError.of(error.what, error.hint, place) from error
     return url

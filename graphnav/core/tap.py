@@ -10,14 +10,13 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Literal
 
-from graphnav.core.bus import Bus, fits_packet, require_route, with_defaults
+from graphnav.core.bus import Bus, fits_packet
 from graphnav.core.codec import decode, encode, message_class_of, type_named
 from graphnav.core.errors import GraphnavError, shown_name
 from graphnav.core.large_messages.child import PACKET_BYTES
 from graphnav.core.lcm_url import tap_url
 from graphnav.core.messages import About, Message
 from graphnav.core.notices import print_notice
-from graphnav.core.record import ABOUT
 
 _MAX_STEP_PX = 64
 _MAX_QUEUED_BYTES = 8 << 20
@@ -56,8 +55,8 @@ class Tap:
         notice: Callable[[str], None] = print_notice,
     ) -> None:
         self.dropped = 0
-        self.url = with_defaults(url)
-        require_route(self.url)
+        self.url = Bus.with_defaults(url)
+        Bus.require_route(self.url)
         self._mode, self._run_id, self._notice = mode, run_id, notice
         self._about: About | None = None
         self._shareable: frozenset[str] = frozenset()
@@ -73,7 +72,7 @@ class Tap:
         self._utime = self._n_abouts = self._overtaken = 0
         self._about_due_s = 0.0
         bus = Bus(self.url, notice)
-        bus.subscribe(ABOUT, self._receive)
+        bus.subscribe(About.CHANNEL, self._receive)
         self._thread = threading.Thread(target=self._serve, args=(bus,), name="graphnav-tap", daemon=True)
         self._thread.start()
 
@@ -129,7 +128,7 @@ class Tap:
         """Repeat the description, and messages published once (the map), after a second."""
         if self._about is not None and time.monotonic() >= self._about_due_s:
             self._about_due_s = time.monotonic() + _ABOUT_S
-            self._send(bus, ABOUT, encode(self._about, self._utime, self._n_abouts))
+            self._send(bus, About.CHANNEL, encode(self._about, self._utime, self._n_abouts))
             self._n_abouts += 1
             for channel, (said_s, data) in self._lone.items():
                 if time.monotonic() - said_s > _ABOUT_S:

@@ -21,7 +21,7 @@ from graphnav.core.machine.atomic_write import write_atomically
 from graphnav.core.machine.regular_file import MAX_JSON_BYTES, is_own, read_regular
 from graphnav.core.machine.user_folders import no_user_folder, user_folder
 from graphnav.core.notices import print_notice
-from graphnav.core.run_folder import PLUGINS, is_graph_of_run
+from graphnav.core.run_folder import RunFolder, is_graph_of_run
 
 MAX_PLUGIN_BYTES = 16 * 1024**2
 _MAX_BESIDE = 100
@@ -40,6 +40,33 @@ class Request:
     files: tuple[Path, ...]
     digest: str = ""
     """Of a folder that graphnav writes: its content. Empty for any other folder, which is trusted by its path."""
+
+    @staticmethod
+    def of(graph: Path, files: Mapping[Path, bytes]) -> Request:
+        """Return the request to run the plugin ``files`` that the file ``graph`` names, by the bytes that will run.
+
+        Of a run folder all that a plugin could import counts: what stands beside it.
+        """
+        folder = graph.parent.resolve()
+        digest = Request.digest_of_run(folder, files) if is_graph_of_run(graph) else ""
+        return Request(folder, tuple(files), digest)
+
+    @staticmethod
+    def of_plan(folder: Path, files: Mapping[Path, bytes]) -> Request:
+        """Return the request to run the plugin files that the plan of a study names, by their absolute paths."""
+        return Request(folder.resolve(), tuple(files), _digest({str(path): data for path, data in files.items()}))
+
+    @staticmethod
+    def digest_of_run(folder: Path, more: Mapping[Path, bytes]) -> str:
+        """Return the digest of the plugins in a run folder: all that stands in their folder, and ``more`` files."""
+        found = _files_below(folder / RunFolder.PLUGINS) | dict(more)
+        return _digest({os.path.relpath(path, folder): data for path, data in found.items()})
+
+    def remember(self) -> str:
+        """Remember that files may run from now on; return why that is not possible, empty if it is."""
+        if self.digest:
+            return _change(lambda known: known.with_digest(self.digest))
+        return _change(lambda known: known.with_folder(str(self.folder)))
 
 
 @dataclass
@@ -65,7 +92,7 @@ class Trust:
             return True
         if request not in self._answers:
             self._answers[request] = self.ask is not None and self.ask(request)
-            if self._answers[request] and (why := remember(request)):
+            if self._answers[request] and (why := request.remember()):
                 print_notice(f"this answer is not remembered: {why}")
         return self._answers[request]
 
@@ -80,21 +107,6 @@ class Trust:
         return self.hint + self.folder_hint.format(folder=shlex.quote(shown_path(request.folder)))
 
 
-def request_of(graph: Path, files: Mapping[Path, bytes]) -> Request:
-    """Return the request to run the plugin ``files`` that the file ``graph`` names; the bytes are those that will run.
-
-    Of a run folder all that a plugin could import counts: what stands beside it.
-    """
-    folder = graph.parent.resolve()
-    digest = run_digest(folder, files) if is_graph_of_run(graph) else ""
-    return Request(folder, tuple(files), digest)
-
-
-def request_of_plan(folder: Path, files: Mapping[Path, bytes]) -> Request:
-    """Return the request to run the plugin files that the plan of a study names, by their absolute paths."""
-    return Request(folder.resolve(), tuple(files), _digest({str(path): data for path, data in files.items()}))
-
-
 def read_plugin(path: Path) -> bytes:
     """Return the source of a plugin file.
 
@@ -104,12 +116,6 @@ def read_plugin(path: Path) -> bytes:
         It cannot be read, or is not a regular file of at most `MAX_PLUGIN_BYTES`.
     """
     return read_regular(path, MAX_PLUGIN_BYTES)
-
-
-def run_digest(folder: Path, more: Mapping[Path, bytes]) -> str:
-    """Return the digest of the plugins in a run folder: all that stands in their folder, and ``more`` files."""
-    found = _files_below(folder / PLUGINS) | dict(more)
-    return _digest({os.path.relpath(path, folder): data for path, data in found.items()})
 
 
 def remember_written(files: Mapping[str, bytes]) -> None:
@@ -124,13 +130,6 @@ def is_trusted(request: Request) -> bool:
     """Return whether the user trusts the folder, or graphnav wrote what it holds."""
     known = _read()
     return request.digest in known.digests if request.digest else str(request.folder) in known.folders
-
-
-def remember(request: Request) -> str:
-    """Remember that files may run from now on; return why that is not possible, empty if it is."""
-    if request.digest:
-        return _change(lambda known: known.with_digest(request.digest))
-    return _change(lambda known: known.with_folder(str(request.folder)))
 
 
 def forget(folder: Path) -> str:

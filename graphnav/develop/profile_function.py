@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 
 from graphnav import Graph, UserError
 from graphnav.core.api import (
-    OF_RUN,
-    TAP,
+    KeptFolder,
     PathLike,
+    Shared,
     TapMode,
     check_choice,
     loaded,
-    new_folder,
     one_thread,
     tell,
     with_run_options,
@@ -26,7 +25,7 @@ from graphnav.develop.parameters import CLOCK, FUNCTIONS, Clock
 from graphnav.develop.profiling import NothingMeasuredError, Profile, functions_missing, measure, refuse_live
 
 
-@documented(*OF_RUN, CLOCK, FUNCTIONS)
+@documented(*Shared.OF_RUN, CLOCK, FUNCTIONS)
 def profile(
     graph: PathLike | Graph,
     *,
@@ -54,7 +53,7 @@ def profile(
     KeyboardInterrupt
         Ctrl-C, or a notebook's stop button, ended the run.
     """
-    check_choice(tap, TAP)
+    check_choice(tap, Shared.TAP)
     check_choice(clock, CLOCK)
     checked = with_run_options(
         loaded(graph, set, plugins, Catalog(Trust(runs_all=trust))), {"seed": seed, "until_s": until_s}
@@ -72,7 +71,7 @@ def profile(
 
 def _measured(graph: Graph, folder: PathLike | None, tap: TapMode, clock: Clock, *, functions: bool) -> Profile:
     stages = graph.make_stages()
-    kept = new_folder(folder)
+    kept = KeptFolder.new(folder)
     run_id = new_run_id()
     try:
         with one_thread():

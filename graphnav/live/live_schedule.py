@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from graphnav import Graph, GuardState, Message, Stage
 from graphnav.core.codec import encode
 from graphnav.core.graph import Channel, Node
+from graphnav.core.messages import Fired
 from graphnav.core.runner import (
-    FIRED,
     Engine,
     LiveInbox,
     MatchedSet,
@@ -23,7 +23,6 @@ from graphnav.core.runner import (
     Unit,
     Used,
     encoded_firing,
-    every,
 )
 from graphnav.core.stage import Port
 from graphnav.live.clock import LiveClock
@@ -126,7 +125,9 @@ class LiveSchedule:
         self.engine.reset(seed)
         now_s = self.clock.now_s()
         units = self.engine.units
-        self._clocked = [(Timer(every(u.node.every_ms / 1e3), now_s), u) for u in units.values() if u.node.every_ms]
+        self._clocked = [
+            (Timer(Timer.every(u.node.every_ms / 1e3), now_s), u) for u in units.values() if u.node.every_ms
+        ]
         sources = [units[node.name] for node in self.graph.sources]
         self._sources = [(Timer(_after_s(unit), now_s), unit) for unit in sources]
 
@@ -312,8 +313,8 @@ class LiveSchedule:
     def _log_firings(self) -> None:
         for at_us, stage, utime, age_s, used in self._unlogged:
             if self._firing_log is not None:
-                data = encoded_firing(at_us, stage, utime, self.engine.number(FIRED), age_s, used)
-                self._firing_log.write(FIRED, self.clock.now(), data)
+                data = encoded_firing(at_us, stage, utime, self.engine.number(Fired.CHANNEL), age_s, used)
+                self._firing_log.write(Fired.CHANNEL, self.clock.now(), data)
         self._unlogged.clear()
 
     def _own_stamp(self, now_s: float) -> int:

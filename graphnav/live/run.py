@@ -8,15 +8,15 @@ from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 
-from graphnav import Graph, GraphnavError, Stage, Status
-from graphnav.core.bus import same_group
+from graphnav import About, Graph, GraphnavError, Stage, Status
+from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
 from graphnav.core.interrupts import Interrupt
 from graphnav.core.lcm_url import live_url
 from graphnav.core.notices import print_notice
-from graphnav.core.record import ABOUT, LOG, ThreadedLogWriter
+from graphnav.core.record import ThreadedLogWriter
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import (
-    STATUS,
     ChannelsExcept,
     LiveSink,
     Measured,
@@ -113,7 +113,7 @@ class _LiveRun:
         self._playback = Playback(played, self._wake.set)
         cleanup.callback(self._playback.close)
         self._writer = writer = ThreadedLogWriter(
-            self._folder / LOG, notice=notice, open_log=partial(open_log, graph.run)
+            self._folder / RunFolder.LOG, notice=notice, open_log=partial(open_log, graph.run)
         )
         cleanup.callback(writer.close)
         if tap is not None:
@@ -135,7 +135,7 @@ class _LiveRun:
         try:
             with self.record.failures.noted():
                 about = live_about(self._graph, by_outside_names=False)
-                self._writer.write(ABOUT, now(), encode(about, now(), 0))
+                self._writer.write(About.CHANNEL, now(), encode(about, now(), 0))
                 self._schedule.reset(self._graph.run.seed)
                 self._fire(on_time, interrupt, should_stop)
         except KeyboardInterrupt:
@@ -185,8 +185,12 @@ def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
     """Return the sinks for viewers, without channels that other programs of the same group write or read."""
     if tap is None:
         return []
-    is_shared = same_group(tap.url, url)
-    outside = {STATUS, *(one.name for one in graph.inputs.values()), *(one.name for one in graph.outputs.values())}
+    is_shared = Bus.same_group(tap.url, url)
+    outside = {
+        Status.CHANNEL,
+        *(one.name for one in graph.inputs.values()),
+        *(one.name for one in graph.outputs.values()),
+    }
     tap.announce(live_about(graph, by_outside_names=is_shared), outside)
     return [
         ChannelsExcept(tap, {graph.channels[ref].name for ref in (*graph.inputs, *graph.outputs)} if is_shared else ())

@@ -20,8 +20,8 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import LogError, message_line, shown_name
 from graphnav.core.machine import is_own, user_folder
 from graphnav.core.record import parts_of
-from graphnav.core.run_folder import GRAPH
-from graphnav.core.trust import read_plugin, run_digest
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.trust import Request, read_plugin
 from graphnav.replay.comparison.result import ReplayResult
 from graphnav.replay.log.log_graph import graph_to_replay, is_live
 from graphnav.replay.replay import ReplayOptions, replay
@@ -149,11 +149,13 @@ def _kept_path(log: Path, plugins: Sequence[Path]) -> Path | None:
     if not os.access(folder, os.W_OK | os.X_OK) or not is_own(folder):
         return None
     try:
-        beside = {path.resolve(): read_plugin(path) for path in (*plugins, log.parent / GRAPH) if path.is_file()}
+        beside = {
+            path.resolve(): read_plugin(path) for path in (*plugins, log.parent / RunFolder.GRAPH) if path.is_file()
+        }
     except OSError:
         return None
     home = log.parent.resolve()
-    digest = hashlib.sha256(os.fsencode(f"{__version__}\n{home}\n{run_digest(home, beside)}\n"))
+    digest = hashlib.sha256(os.fsencode(f"{__version__}\n{home}\n{Request.digest_of_run(home, beside)}\n"))
     for part in parts_of(log):
         with part.open("rb") as file:
             while block := file.read(_CHUNK_BYTES):

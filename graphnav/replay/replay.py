@@ -15,8 +15,8 @@ from graphnav.core.codec import DecodeError, encode
 from graphnav.core.errors import StageError
 from graphnav.core.graph import RESERVED
 from graphnav.core.interrupts import third_party_code
-from graphnav.core.record import ABOUT, LogWriter
-from graphnav.core.runner import Engine, Failures, about_of, live_about, scores_of
+from graphnav.core.record import LogWriter
+from graphnav.core.runner import Engine, Failures, Summary, about_of, live_about
 from graphnav.replay.comparison.comparison import Comparison, Scope
 from graphnav.replay.comparison.field_differences import Tolerance
 from graphnav.replay.comparison.result import ReplayResult, Reproduced
@@ -211,7 +211,7 @@ class MessageCounts:
 
 
 def _scores(replayer: Replayer, on_failure: Callable[[GraphnavError], None]) -> dict[str, dict[str, float]]:
-    return scores_of(replayer.engine.units, Failures(on_failure).noted) if replayer.engine.is_ready else {}
+    return Summary.scores_of(replayer.engine.units, Failures(on_failure).noted) if replayer.engine.is_ready else {}
 
 
 def _reproduced(reproduction: Reproduction) -> Iterator[Reproduced]:
@@ -230,7 +230,7 @@ def _log_writer(path: Path, about: About, begin_us: int) -> LogWriter:
         writer = LogWriter(path)
     except OSError as error:
         raise UserError.of(f"cannot write {path}: {error.strerror}", "choose another file with -o") from error
-    writer.write(ABOUT, begin_us, encode(about, begin_us, 0))
+    writer.write(About.CHANNEL, begin_us, encode(about, begin_us, 0))
     return writer
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from graphnav.core.api import FOLDER as FOLDER_OF_RUN
+from graphnav.core.api import Shared
 from graphnav.core.parameters import COUNT, SEED_NUMBER, Integer, Parameter, flag, many, seconds
 
 STUDY = Parameter(
@@ -79,7 +79,7 @@ UNTIL_CLEAR = flag(
     "--until-clear",
     "add seeds, in their order, only until the metric that decides tells every variant from the base",
 )
-FOLDER = FOLDER_OF_RUN.but(
+FOLDER = Shared.FOLDER.but(
     help="the study's folder (default: ablations/STUDY); with --compare the file to write", example='"ablations/1"'
 )
 JOBS = Parameter(

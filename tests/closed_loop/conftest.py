@@ -9,8 +9,8 @@ import pytest
 
 from graphnav import Recording
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override
-from graphnav.core.record import LOG
+from graphnav.core.graph import Override, load_graph
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.trust import Trust
@@ -25,12 +25,12 @@ def drive(tmp_path: Path) -> Drive:
     def run(name: str, seed: int, *sets: str) -> tuple[Summary, Recording]:
         everything = () if any(text.startswith("run.record=") for text in sets) else ("run.record=all",)
         graph = load_graph(
-            name, Catalog(Trust(runs_all=True)), [*map(parse_override, (*everything, *sets, f"run.seed={seed}"))]
+            name, Catalog(Trust(runs_all=True)), [*map(Override.parse, (*everything, *sets, f"run.seed={seed}"))]
         )
         folder = tmp_path / f"{len(list(tmp_path.iterdir()))}"
         folder.mkdir()
         summary = run_recorded(graph, graph.make_stages(), folder)
-        return summary, Recording(folder / LOG)
+        return summary, Recording(folder / RunFolder.LOG)
 
     return run
 

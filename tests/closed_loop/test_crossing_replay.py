@@ -8,7 +8,7 @@ import pytest
 
 from graphnav import Recording, State
 from graphnav.core.cli import main
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 
 MAP = """
 start: {at_m: [0, 0]}
@@ -38,7 +38,7 @@ def test_truth_among_those_who_cross_is_made_again(tmp_path: Path, monkeypatch: 
     assert main([*drive, "-o", "short", "--set", "run.record=replayable"]) == 0
     # Another detector would drive otherwise: the walk follows the recorded commands.
     main(["replay", "short", "-o", "again.lcmlog", "--set", "plane=plane.all_ground"])
-    with Recording(Path("full") / LOG) as full, Recording(Path("again.lcmlog")) as again:
+    with Recording(Path("full") / RunFolder.LOG) as full, Recording(Path("again.lcmlog")) as again:
         first, *_, last = [message for _, _, message in full.messages("robot.state")]
         assert isinstance(first, State)
         assert isinstance(last, State)

@@ -11,8 +11,9 @@ import pytest
 
 from graphnav import Recording
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override
-from graphnav.core.record import ABOUT, LOG
+from graphnav.core.graph import Override, load_graph
+from graphnav.core.messages import About
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.replay.comparison.result import ReplayResult
@@ -44,13 +45,13 @@ stages:
 def events_of(path: Path) -> list[tuple[str, int, bytes]]:
     """Return everything in a log but how it describes itself."""
     with Recording(path) as recording:
-        return [(one.channel, one.utime, one.data) for one in recording.events() if one.channel != ABOUT]
+        return [(one.channel, one.utime, one.data) for one in recording.events() if one.channel != About.CHANNEL]
 
 
 def replayed(log: Path, *sets: str, out: Path | None = None) -> ReplayResult:
     """Return the result of a replay with swaps."""
     with Recording(log) as recording:
-        made = graph_to_replay(recording, Catalog(), overrides=[*map(parse_override, sets)])
+        made = graph_to_replay(recording, Catalog(), overrides=[*map(Override.parse, sets)])
         return replay(recording, made, ReplayOptions(), out=out)
 
 
@@ -73,11 +74,11 @@ def graph(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 def test_the_full_log_is_made_again_of_less_than_a_fifth(graph: str, tmp_path: Path) -> None:
     logs = []
     for record in ("all", "replayable"):
-        made = load_graph(graph, Catalog(), [*map(parse_override, ("run.until_s=2", f"run.record={record}"))])
+        made = load_graph(graph, Catalog(), [*map(Override.parse, ("run.until_s=2", f"run.record={record}"))])
         folder = tmp_path / record
         folder.mkdir()
         run_recorded(made, made.make_stages(), folder)
-        logs.append(folder / LOG)
+        logs.append(folder / RunFolder.LOG)
     full, log = logs
     assert log.stat().st_size < 0.2 * full.stat().st_size
     out = tmp_path / "out.lcmlog"

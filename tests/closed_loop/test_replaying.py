@@ -10,8 +10,8 @@ import pytest
 
 from graphnav import Recording
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override
-from graphnav.core.record import LOG
+from graphnav.core.graph import Override, load_graph
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.replay.comparison.result import ReplayResult
 from graphnav.replay.log.log_graph import graph_to_replay
@@ -24,9 +24,9 @@ Again = Callable[..., ReplayResult]
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the log of two seconds of a drive, with everything in it."""
     folder = tmp_path_factory.mktemp("drive")
-    graph = load_graph("corridor_ccw", Catalog(), [parse_override("run.until_s=2"), parse_override("run.record=all")])
+    graph = load_graph("corridor_ccw", Catalog(), [Override.parse("run.until_s=2"), Override.parse("run.record=all")])
     run_recorded(graph, graph.make_stages(), folder)
-    return folder / LOG
+    return folder / RunFolder.LOG
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def again(drive: Path) -> Again:
         with Recording(drive) as recording:
             return replay(
                 recording,
-                graph_to_replay(recording, Catalog(), overrides=[*map(parse_override, sets)]),
+                graph_to_replay(recording, Catalog(), overrides=[*map(Override.parse, sets)]),
                 ReplayOptions(**options),
             )
 

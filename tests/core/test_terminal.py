@@ -11,8 +11,8 @@ import threading
 import pytest
 
 ASK = (
-    "from graphnav.core.machine.terminal_graphics import query_terminal; import os; "
-    "os.write({fd}, repr(query_terminal()).encode())"
+    "from graphnav.core.machine.terminal_graphics import TerminalGraphics; import os; "
+    "os.write({fd}, repr(TerminalGraphics.query()).encode())"
 )
 
 

@@ -16,7 +16,7 @@ from graphnav.core.bus import Bus
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode, lcm_name
 from graphnav.core.messages import About, Flow, Image, Message, Plane, State, Twist
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen import SpyApp, watch_of
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
@@ -108,7 +108,7 @@ async def opened(pilot: Pilot[None], name: str) -> ChannelScreen:
 def write_log(path: Path) -> Path:
     """Write a log of 20 messages at 10 Hz on each channel, two of the commands lost and one damaged."""
     with LogWriter(path) as writer:
-        writer.write(ABOUT, 0, encode(SAID, 0, 0))
+        writer.write(About.CHANNEL, 0, encode(SAID, 0, 0))
         for k in range(20):
             for name in TYPES:
                 data = encode(message_at(name, k), PERIOD_US * k, k)
@@ -130,7 +130,7 @@ def publishing(group: str, *names: str, run_id: str = "run-a", begin: int = 0) -
         k = begin
         while not done.wait(0.05):
             if k % 10 == 0:
-                bus.publish(ABOUT, encode(About("", "", run_id, 7, SAID.channels, SAID.types), 0, k // 10))
+                bus.publish(About.CHANNEL, encode(About("", "", run_id, 7, SAID.channels, SAID.types), 0, k // 10))
             for name in names:
                 bus.publish(name, encode(message_at(name, k), PERIOD_US * k, k))
             k += 1

@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from graphnav.core.bus import GROUP, MAKE_ROUTE, Bus, require_route, with_defaults
+from graphnav.core.bus import Bus
 from graphnav.core.errors import BusError
 
 
@@ -118,7 +118,7 @@ def test_two_buses_in_a_process_do_not_hear_each_other() -> None:
     [
         ("memq://", "memq://"),
         ("udpm://", "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152"),
-        (GROUP, "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152"),
+        (Bus.GROUP, "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152"),
         ("udpm://239.1.2.3:99?ttl=1", "udpm://239.1.2.3:99?ttl=1&recv_buf_size=2097152"),
         ("udpm://239.1.2.3", "udpm://239.1.2.3:7667?ttl=0&recv_buf_size=2097152"),
         ("udpm://239.1.2.3:?ttl=1", "udpm://239.1.2.3:7667?ttl=1&recv_buf_size=2097152"),
@@ -126,7 +126,7 @@ def test_two_buses_in_a_process_do_not_hear_each_other() -> None:
     ],
 )
 def test_a_group_stays_on_the_machine_unless_told(url: str, wanted: str) -> None:
-    assert with_defaults(url) == wanted
+    assert Bus.with_defaults(url) == wanted
 
 
 def test_a_message_crosses_the_group(group: str) -> None:
@@ -155,37 +155,39 @@ def test_a_missing_multicast_route_is_said_with_the_command_that_makes_one() -> 
     unshare = shutil.which("unshare")
     if unshare is None or subprocess.run([unshare, "-rn", "true"], capture_output=True, check=False).returncode:
         pytest.skip("this machine gives no network namespace to try it in")
-    program = f"from graphnav.core.bus import Bus; Bus({GROUP!r})"
+    program = f"from graphnav.core.bus import Bus; Bus({Bus.GROUP!r})"
     done = subprocess.run([unshare, "-rn", sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.stderr.splitlines()[-2:] == [
         "graphnav.core.errors.NoRouteError: no multicast route to 239.255.76.67",
-        f"  run as root: {MAKE_ROUTE}",
+        f"  run as root: {Bus.MAKE_ROUTE}",
     ]
 
 
 def test_the_command_that_makes_a_route_fixes_it() -> None:
     unshare = shutil.which("unshare")
-    program = f"{MAKE_ROUTE} && '{sys.executable}' -c 'from graphnav.core.bus import *; require_route(GROUP)'"
+    program = (
+        f"{Bus.MAKE_ROUTE} && '{sys.executable}' -c 'from graphnav.core.bus import *; Bus.require_route(Bus.GROUP)'"
+    )
     if unshare is None or subprocess.run([unshare, "-rn", "ip", "link"], capture_output=True, check=False).returncode:
         pytest.skip("this machine gives no network namespace to try it in")
     subprocess.run([unshare, "-rn", "sh", "-c", program], check=True)
 
 
 def test_a_group_with_a_route_needs_nothing(group: str) -> None:
-    require_route(group)
+    Bus.require_route(group)
 
 
 @pytest.mark.parametrize("host", ["nope", "1.2.3.4", "localhost"])
 def test_what_is_no_multicast_address_is_not_taken_for_a_missing_route(host: str) -> None:
     with pytest.raises(BusError, match=f"'{host}' is not a multicast address"):
-        require_route(f"udpm://{host}:7667")
+        Bus.require_route(f"udpm://{host}:7667")
 
 
 def test_port_0_is_refused(group: str) -> None:
     with pytest.raises(BusError) as caught:
         Bus(f"udpm://{urlsplit(group).hostname}:0")
     assert str(caught.value) == (
-        f"port 0 of {urlsplit(group).hostname} is not a port to listen on\n  write {GROUP}, or another port"
+        f"port 0 of {urlsplit(group).hostname} is not a port to listen on\n  write {Bus.GROUP}, or another port"
     )
 
 

@@ -15,7 +15,7 @@ from graphnav.core.cli import main
 from graphnav.core.codec import encode, lcm_text_of
 from graphnav.core.errors import LogError
 from graphnav.core.messages import About, Twist
-from graphnav.core.record import ABOUT, Event, LogWriter, Recording
+from graphnav.core.record import Event, LogWriter, Recording
 
 SAID = About(
     "about: A toy.\nstages: {}\n", lcm_text_of([Twist.lcm_class]), "", 7, ("twist",), ("graphnav_lcm.twist_t",)
@@ -34,7 +34,7 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a log of a description and four commands."""
     path = tmp_path_factory.mktemp("small") / "small.lcmlog"
     with LogWriter(path) as log:
-        log.write(ABOUT, 0, encode(SAID, 0, 0))
+        log.write(About.CHANNEL, 0, encode(SAID, 0, 0))
         for k in range(4):
             log.write("twist", 100_000 * k, encode(Twist(0.1, 0.2), 100_000 * k, k))
     return path
@@ -84,7 +84,7 @@ def test_a_large_log_cut_at_random_is_read_up_to_the_cut(large: Path, tmp_path: 
 def test_a_flipped_bit_costs_one_event(small: Path, tmp_path: Path) -> None:
     data, events = small.read_bytes(), events_of(small)
     ends = ends_of(events)
-    heads = {begin + k for begin in (0, *ends) for k in range(HEADER_BYTES + len(ABOUT))}
+    heads = {begin + k for begin in (0, *ends) for k in range(HEADER_BYTES + len(About.CHANNEL))}
     for bit in (bit for bit in range(8 * len(data)) if bit // 8 in heads or bit % 8 == 3):
         hit = sum(end <= bit // 8 for end in ends)
         flipped = bytearray(data)
@@ -225,7 +225,7 @@ def test_a_log_that_may_not_be_read_is_said(
 
 def test_a_description_that_is_damaged_hides_nothing(small: Path, tmp_path: Path) -> None:
     data = bytearray(small.read_bytes())
-    data[HEADER_BYTES + len(ABOUT) + 24] ^= 0xFF  # a length
+    data[HEADER_BYTES + len(About.CHANNEL) + 24] ^= 0xFF  # a length
     (tmp_path / "log").write_bytes(data)
     with Recording(tmp_path / "log") as recording:
         assert recording.about is None
@@ -237,7 +237,7 @@ def test_a_description_that_is_damaged_hides_nothing(small: Path, tmp_path: Path
 def test_the_description_may_come_later(tmp_path: Path) -> None:
     with LogWriter(tmp_path / "log") as log:
         log.write("twist", 0, encode(Twist(0.0, 0.0), 0, 0))
-        log.write(ABOUT, 1, encode(SAID, 0, 0))
+        log.write(About.CHANNEL, 1, encode(SAID, 0, 0))
     with Recording(tmp_path / "log") as recording:
         assert recording.about is not None
         assert recording.about.seed == 7

@@ -23,7 +23,7 @@ from graphnav.core.errors import printable
 from graphnav.core.machine.console import Console
 from graphnav.core.messages import About, Status, Twist
 from graphnav.core.notices import print_notice
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 from graphnav.core.tap import Tap
 from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen import SpyApp
@@ -70,7 +70,7 @@ def log(tmp_path: Path) -> Path:
         for number, name in enumerate(HOSTILE):
             stamp = 100_000 * number
             about = About(f"stages: {{}} # {name}\n", name, name, 7, (name,), (name,))
-            writer.write(ABOUT, stamp, encode(about, stamp, 0))
+            writer.write(About.CHANNEL, stamp, encode(about, stamp, 0))
             status = Status(name, name, False, 0, 0, 0, 0, 0, 0, "", (), (), (), ())
             writer.write(f"{name}.status", stamp, encode(status, stamp, 0))
             writer.write(name, stamp, encode(Twist(0.1, 0.2), stamp, 0))
@@ -221,7 +221,7 @@ def test_notices_of_other_runs_are_one_line_each_and_bounded(group: str, capsys:
     def announce() -> None:
         while not others.is_set():
             for name in names:
-                bus.publish(ABOUT, encode(About("", "", name, 7, own.channels, own.types), 0, 0))
+                bus.publish(About.CHANNEL, encode(About("", "", name, 7, own.channels, own.types), 0, 0))
 
     sender = threading.Thread(target=announce)
     sender.start()

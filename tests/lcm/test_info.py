@@ -13,7 +13,7 @@ import pytest
 from graphnav.core.cli import main
 from graphnav.core.codec import encode, lcm_text_of
 from graphnav.core.messages import About, Flow, Twist
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 
 from .recording import GRAPHNAV
 
@@ -38,7 +38,7 @@ SUMMARY = {
 def write_run(folder: Path, begin_us: int = 0) -> Path:
     """Write what a run leaves: 21 flows and commands at 10 Hz, of which three commands are missing."""
     with LogWriter(folder / "run.lcmlog") as log:
-        log.write(ABOUT, begin_us, encode(SAID, 0, 0))
+        log.write(About.CHANNEL, begin_us, encode(SAID, 0, 0))
         for k in range(21):
             utime = begin_us + 100_000 * k
             log.write("flow.flow", utime, encode(FLOW, utime, k))

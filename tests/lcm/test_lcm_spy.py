@@ -19,10 +19,11 @@ import pytest
 from graphnav.core.bus import Bus
 from graphnav.core.cli import main
 from graphnav.core.codec import SHIPPED, encode
-from graphnav.core.machine.jdk import find_jdk
 from graphnav.core.messages import Flow, Twist
 from graphnav.core.record import LogWriter
-from graphnav.core.typeinfo import file_of_lcm, types_jar
+from graphnav.core.typeinfo import file_of_lcm
+from graphnav.develop.jdk import find_jdk
+from graphnav.develop.types_jar import types_jar
 
 from .conftest import TOOLS
 

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from graphnav.core.bus import GROUP
+from graphnav.core.bus import Bus
 from graphnav.core.cli import main
 from graphnav.core.errors import UserError
 from graphnav.core.lcm_url import lcm_url, tap_url
@@ -20,7 +20,7 @@ _BUFFER = "&recv_buf_size=2097152"
 @pytest.mark.parametrize(
     ("environment", "choices", "url"),
     [
-        ("", (), GROUP + _BUFFER),
+        ("", (), Bus.GROUP + _BUFFER),
         ("udpm://239.1.1.1:7001", (), "udpm://239.1.1.1:7001?ttl=0" + _BUFFER),
         ("udpm://239.1.1.1", (), "udpm://239.1.1.1:7667?ttl=0" + _BUFFER),
         ("udpm://239.1.1.1:7001?ttl=1", (("--url", None),), "udpm://239.1.1.1:7001?ttl=1" + _BUFFER),
@@ -39,8 +39,8 @@ def test_the_first_that_is_given_is_used(
 @pytest.mark.parametrize(
     ("environment", "url"),
     [
-        ("", GROUP),
-        ("udpm://", GROUP),
+        ("", Bus.GROUP),
+        ("udpm://", Bus.GROUP),
         ("udpm://239.1.1.1", "udpm://239.1.1.1:7667?ttl=0"),
         ("udpm://239.1.1.1:7001", "udpm://239.1.1.1:7001?ttl=0"),
         ("udpm://239.1.1.1:7001?ttl=3&recv_buf_size=9", "udpm://239.1.1.1:7001?ttl=0&recv_buf_size=9"),

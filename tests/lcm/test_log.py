@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from graphnav.core.codec import encode, lcm_text_of
 from graphnav.core.errors import LogError
 from graphnav.core.messages import About, Flow, Twist
-from graphnav.core.record import ABOUT, LogWriter, Recording
+from graphnav.core.record import LogWriter, Recording
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
@@ -40,7 +40,7 @@ TWISTS = [Twist(v_mps=0.1 * k, omega_radps=-0.2 * k) for k in range(5)]
 def write_log(path: Path) -> Path:
     """Write what a short run would."""
     with LogWriter(path) as log:
-        log.write(ABOUT, 0, encode(SAID, 0, 0))
+        log.write(About.CHANNEL, 0, encode(SAID, 0, 0))
         for k, twist in enumerate(TWISTS):
             log.write("control.twist", 100_000 * k, encode(twist, 100_000 * k, k))
     return path
@@ -84,7 +84,7 @@ def test_a_recording_tells_what_it_holds(tmp_path: Path) -> None:
         assert recording.about is not None
         assert recording.about.seed == 7
         assert recording.graph == {"stages": {"robot": {"use": "world.pymunk"}}}
-        assert recording.channels == {ABOUT: About.lcm_class, "control.twist": Twist.lcm_class}
+        assert recording.channels == {About.CHANNEL: About.lcm_class, "control.twist": Twist.lcm_class}
         assert recording.n_events == 6
         assert recording.utimes("control.twist") == [0, 100_000, 200_000, 300_000, 400_000]
         assert recording.truncated is None
@@ -117,7 +117,7 @@ def test_a_log_without_a_description_finds_its_types_by_fingerprint(tmp_path: Pa
 @pytest.mark.parametrize("text", ["", "stages: [", "just words", "\0"])
 def test_a_description_that_holds_no_graph_is_said(tmp_path: Path, text: str) -> None:
     with LogWriter(tmp_path / "log") as log:
-        log.write(ABOUT, 0, encode(replace(SAID, graph_yaml=text), 0, 0))
+        log.write(About.CHANNEL, 0, encode(replace(SAID, graph_yaml=text), 0, 0))
     with Recording(tmp_path / "log") as recording, pytest.raises(LogError, match="holds no graph"):
         _ = recording.graph
 

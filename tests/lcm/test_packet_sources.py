@@ -9,14 +9,14 @@ from collections.abc import Callable, Collection, Iterator
 import lcm
 import pytest
 
-from graphnav.core.bus import with_defaults
+from graphnav.core.bus import Bus
 from graphnav.live.inputs import packet_sources
 from graphnav.live.inputs.packet_sources import PacketSources
 
 
 @pytest.fixture
 def sources(group: str) -> Iterator[PacketSources]:
-    found = PacketSources(with_defaults(group), ["CAMERA", "ODOMETRY"])
+    found = PacketSources(Bus.with_defaults(group), ["CAMERA", "ODOMETRY"])
     yield found
     found.close()
 

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.core.bus import GROUP, Bus
+from graphnav.core.bus import Bus
 from graphnav.core.cli import main
 from graphnav.core.codec import encode, lcm_text_of
 from graphnav.core.messages import About, Twist
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 
 from .conftest import TOOLS
 from .listening import Listener
@@ -112,7 +112,7 @@ def test_motor_channels_are_told(
 ) -> None:
     said = About(MOTOR_GRAPH, lcm_text_of([Twist.lcm_class]), "", 7, ("BASE_CMD",), ("graphnav_lcm.twist_t",))
     with LogWriter(tmp_path / "log") as log:
-        log.write(ABOUT, 0, encode(said, 0, 0))
+        log.write(About.CHANNEL, 0, encode(said, 0, 0))
         log.write("BASE_CMD", 1000, twist(1))
         log.write("CAMERA", 1000, b"")
     assert main(["play", str(tmp_path / "log"), "--url", group]) == 0
@@ -132,7 +132,7 @@ def test_a_graph_of_another_shape_has_no_motors(
     tmp_path: Path, group: str, capsys: pytest.CaptureFixture[str], graph: str
 ) -> None:
     with LogWriter(tmp_path / "log") as log:
-        log.write(ABOUT, 0, encode(About(graph, "", "", 7, (), ()), 0, 0))
+        log.write(About.CHANNEL, 0, encode(About(graph, "", "", 7, (), ()), 0, 0))
     assert main(["play", str(tmp_path / "log"), "--url", group]) == 0
     assert capsys.readouterr().err == ""
 
@@ -153,7 +153,7 @@ def test_a_graph_of_another_shape_has_no_motors(
         ),
         (
             ["--url", "udpm://1.2.3.4"],
-            f"--url: '1.2.3.4' is not a multicast address\n  write {GROUP}, or another group of 239.0.0.0/8\n",
+            f"--url: '1.2.3.4' is not a multicast address\n  write {Bus.GROUP}, or another group of 239.0.0.0/8\n",
         ),
     ],
 )

@@ -12,7 +12,7 @@ from pathlib import Path
 import graphnav_lcm
 import pytest
 
-from graphnav.core.bus import GROUP, Bus
+from graphnav.core.bus import Bus
 from graphnav.core.cli import main
 from graphnav.core.codec import decode
 from graphnav.core.messages import Stop, Twist
@@ -134,7 +134,7 @@ def test_what_is_late_is_not_made_up_for() -> None:
         (["X", "Twist", "--for", "3"], "--for: without --rate only one message is published\n  give --rate HZ\n"),
         (
             ["X", "Twist", "--url", "memq://"],
-            f"--url: 'memq://' is not a udpm:// URL\n  write {GROUP}, or another group of 239.0.0.0/8\n",
+            f"--url: 'memq://' is not a udpm:// URL\n  write {Bus.GROUP}, or another group of 239.0.0.0/8\n",
         ),
     ],
 )

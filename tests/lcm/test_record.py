@@ -18,11 +18,12 @@ import lcm
 import numpy as np
 import pytest
 
-from graphnav.core.bus import GROUP, Bus
+from graphnav.core.bus import Bus
 from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Image, Stop, Twist
-from graphnav.core.record import ABOUT, LOG, ChannelFilter, Recording, ThreadedLogWriter
+from graphnav.core.record import ChannelFilter, Recording, ThreadedLogWriter
+from graphnav.core.run_folder import RunFolder
 from graphnav.watch.recorder import ReceiveStatistics, Recorder
 
 from .conftest import TOOLS
@@ -105,12 +106,12 @@ def test_the_log_describes_itself_first(start: Start, tmp_path: Path, group: str
         process.bus.publish("twist", twist(k))
         process.bus.publish("other", b"")
         if k == 20:
-            process.bus.publish(ABOUT, SAID)
+            process.bus.publish(About.CHANNEL, SAID)
     wait_until(lambda: len(received(path)) >= 31)
     status, out, _ = process.end()
     assert status == 0
     events = events_of(path)
-    assert (events[0].channel, events[0].data) == (ABOUT, SAID)
+    assert (events[0].channel, events[0].data) == (About.CHANNEL, SAID)
     assert events[0].utime == events[1].utime
     assert [event.data for event in events[1:]] == [twist(k) for k in range(30)]
     assert row_of(out, "twist")[:3] == ["twist", "graphnav_lcm.twist_t", "30"]
@@ -239,7 +240,7 @@ def test_lcm_logplayer_plays_what_was_recorded(start: Start, tmp_path: Path, gro
 
 def test_files_are_split_and_rotated(start: Start, tmp_path: Path) -> None:
     process = start(tmp_path / "drive.lcmlog", "--split", "10kB", "--rotate", "3")
-    process.bus.publish(ABOUT, SAID)
+    process.bus.publish(About.CHANNEL, SAID)
     for k in range(100):
         process.bus.publish("x", bytes(1000))
         if k % 10 == 9:
@@ -248,7 +249,7 @@ def test_files_are_split_and_rotated(start: Start, tmp_path: Path) -> None:
     assert status == 0
     files = sorted(tmp_path.iterdir())
     assert len(files) == 3
-    assert all(events_of(file)[0].channel == ABOUT for file in files)
+    assert all(events_of(file)[0].channel == About.CHANNEL for file in files)
     assert f"{files[0]} to {files[-1].name} (3 files): " in out
 
 
@@ -340,11 +341,11 @@ def test_later_parts_of_a_run_are_not_read_as_those_of_a_new_log(
 ) -> None:
     old = tmp_path / "run.0001.lcmlog"
     old.write_text("precious")
-    words = ["record", group, "-o", str(tmp_path / LOG), "--for", "0.1"]
+    words = ["record", group, "-o", str(tmp_path / RunFolder.LOG), "--for", "0.1"]
     assert main(words) == 2
     assert capsys.readouterr().err.startswith(f"-o: {old} already exists\n")
     assert main([*words, "--force"]) == 0
-    assert [path.name for path in tmp_path.iterdir()] == [LOG]
+    assert [path.name for path in tmp_path.iterdir()] == [RunFolder.LOG]
 
 
 @pytest.mark.parametrize(
@@ -352,11 +353,11 @@ def test_later_parts_of_a_run_are_not_read_as_those_of_a_new_log(
     [
         (
             ["tcpq://localhost"],
-            f"URL: 'tcpq://localhost' is not a udpm:// URL\n  write {GROUP}, or another group of 239.0.0.0/8\n",
+            f"URL: 'tcpq://localhost' is not a udpm:// URL\n  write {Bus.GROUP}, or another group of 239.0.0.0/8\n",
         ),
         (
             ["udpm://127.0.0.1:7667"],
-            f"URL: '127.0.0.1' is not a multicast address\n  write {GROUP}, or another group of 239.0.0.0/8\n",
+            f"URL: '127.0.0.1' is not a multicast address\n  write {Bus.GROUP}, or another group of 239.0.0.0/8\n",
         ),
         (["--rotate", "3"], "--rotate: only one file is written\n  add --split SIZE, or remove it\n"),
         (["--invert"], "--invert: there is no filter to invert\n  add --channel GLOB or --regex RE\n"),

@@ -20,7 +20,7 @@ from graphnav.core.bus import Bus
 from graphnav.core.cli import main
 from graphnav.core.codec import encode, lcm_name
 from graphnav.core.messages import About, Flow, Message, State, Twist
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 from graphnav.core.tap import Tap
 from graphnav.watch.feed import Feed, Watch
 from graphnav.watch.spy import as_text
@@ -44,7 +44,7 @@ def twist_at(k: int, period_us: int = 100_000) -> bytes:
 def log(tmp_path: Path) -> Path:
     """Return a run folder whose log holds 21 flows and commands at 10 Hz, and one promised channel without messages."""
     with LogWriter(tmp_path / "run.lcmlog") as writer:
-        writer.write(ABOUT, 0, encode(SAID, 0, 0))
+        writer.write(About.CHANNEL, 0, encode(SAID, 0, 0))
         for k in range(21):
             writer.write("flow.flow", 100_000 * k, encode(FLOW, 100_000 * k, k))
             writer.write("control.twist", 100_000 * k, twist_at(k))
@@ -94,13 +94,13 @@ def test_without_fields_there_is_a_line_for_each_channel(log: Path) -> None:
         assert received is not None
         watch.receive(received)
     lines = as_text(watch, "heading", with_fields=False).plain.splitlines()
-    assert [line.split("  ")[0] for line in lines] == ["heading", *sorted([ABOUT, *TYPES])]
+    assert [line.split("  ")[0] for line in lines] == ["heading", *sorted([About.CHANNEL, *TYPES])]
 
 
 def test_spy_tells_programs_the_same(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["spy", "--json", str(log / "run.lcmlog")]) == 0
     channels = json.loads(capsys.readouterr().out)["channels"]
-    assert set(channels) == {ABOUT, *TYPES}
+    assert set(channels) == {About.CHANNEL, *TYPES}
     assert channels["flow.flow"] | {"fields": None, "wall_rate_hz": None} == {
         "type": "graphnav_lcm.flow_t",
         "messages": 21,
@@ -230,7 +230,7 @@ def test_a_live_run_is_seen(live: str, capsys: pytest.CaptureFixture[str]) -> No
     seen: dict[str, Any] = json.loads(capsys.readouterr().out)
     assert seen["runs"] == ["run-1"]
     channels = seen["channels"]
-    assert set(channels) == {ABOUT, *TYPES}
+    assert set(channels) == {About.CHANNEL, *TYPES}
     assert {name: channels[name]["type"] for name in TYPES} == dict(zip(SAID.channels, SAID.types, strict=True))
     assert channels["flow.flow"]["rate_hz"] == pytest.approx(10, rel=0.02)
     assert channels["control.twist"]["rate_hz"] == pytest.approx(10, rel=0.02)
@@ -263,7 +263,7 @@ def test_garbage_on_the_group_harms_no_viewer(group: str, capsys: pytest.Capture
         bus = Bus(group)
         while not over.wait(0.005):
             bus.publish("noise", b"\xff" * 33)
-            bus.publish(ABOUT, b"\xff" * 33)
+            bus.publish(About.CHANNEL, b"\xff" * 33)
         bus.close()
 
     thread = threading.Thread(target=shout)

@@ -7,9 +7,9 @@ import json
 import numpy as np
 import pytest
 
-from graphnav.core.fields.field_summary import described, summarised
-from graphnav.core.fields.plain_values import nested, plain
+from graphnav.core.field_summary import described, summarised
 from graphnav.core.messages import Flow
+from graphnav.watch.fields.plain_values import nested, plain
 
 FLOW = Flow(
     uv_px=np.linspace(-1, 1, 24, dtype=np.float32).reshape(3, 4, 2),

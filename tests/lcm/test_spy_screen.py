@@ -11,8 +11,8 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from graphnav.core.codec import encode
-from graphnav.core.messages import Twist
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.messages import About, Twist
+from graphnav.core.record import LogWriter
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
 from graphnav.watch.spy.screen.channel_table import ChannelTable
 from graphnav.watch.spy.screen.channels_screen import ChannelsScreen
@@ -50,7 +50,7 @@ def test_every_channel_opens_in_every_size(log: Path, look: str) -> None:
     async def act(pilot: Pilot[None]) -> None:
         table = pilot.app.screen.query_one(ChannelTable)
         await until(pilot, lambda: table.n_shown == len(TYPES) + 1)
-        for name in [*TYPES, ABOUT]:
+        for name in [*TYPES, About.CHANNEL]:
             while table.chosen != name:
                 await pilot.press("down" if table.cursor < table.n_shown - 1 else "home")
             await pilot.press("enter", "v", "v", "v", "p", "enter", "down")

@@ -9,7 +9,6 @@ from textual.pilot import Pilot
 from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Twist
-from graphnav.core.record import ABOUT
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
 from graphnav.watch.spy.screen.channel_table import ChannelTable
 
@@ -26,7 +25,7 @@ def test_hostile_names_are_shown_as_text(group: str, tmp_path: Path) -> None:
         def published() -> bool:
             for name in HOSTILE:
                 bus.publish(name, encode(About(name, name, name, 7, (name,), (name,)), 0, 0))
-                bus.publish(ABOUT, encode(About(name, name, name, 7, (name,), (name,)), 0, 0))
+                bus.publish(About.CHANNEL, encode(About(name, name, name, 7, (name,), (name,)), 0, 0))
             return table.n_shown > len(HOSTILE)
 
         await until(pilot, published)

@@ -11,7 +11,7 @@ import pytest
 from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Twist
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 from graphnav.watch.feed import RUN_SILENT_S, Feed, Received, Watch
 from graphnav.watch.spy import as_text
 
@@ -92,10 +92,10 @@ def test_what_cannot_be_decoded_is_counted() -> None:
     for data in (twist_at(0), twist_at(1)[:-1], b"", bytes(40), twist_at(2)):
         watch.receive(Received("x", data, 0))
     for data in (b"garbage", encode(SAID, 0, 0)[:-5]):
-        watch.receive(Received(ABOUT, data, 0))
+        watch.receive(Received(About.CHANNEL, data, 0))
     assert watch.channels["x"].undecodable == 3
     assert watch.channels["x"].count == 5
-    assert watch.channels[ABOUT].undecodable == 2
+    assert watch.channels[About.CHANNEL].undecodable == 2
 
 
 def test_one_message_has_no_rate() -> None:
@@ -185,7 +185,7 @@ def test_the_rate_of_arrivals_stands_beside_that_of_the_stamps() -> None:
 def test_a_run_has_ended_once_it_and_the_channel_are_silent() -> None:
     watch = Watch(lambda: 0.0)
     assert watch.ended_run("twist", 99.0) is None, "other programs may send at any time"
-    watch.receive(Received(ABOUT, encode(replace(SAID, run_id="run-a"), 0, 0), 1.0))
+    watch.receive(Received(About.CHANNEL, encode(replace(SAID, run_id="run-a"), 0, 0), 1.0))
     watch.receive(Received("twist", twist_at(0), 2.0))
     assert watch.ended_run("twist", 2.0 + RUN_SILENT_S - 0.1) is None
     assert watch.ended_run("twist", 2.0 + RUN_SILENT_S) == "run-a"

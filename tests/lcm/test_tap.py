@@ -16,7 +16,6 @@ import pytest
 from graphnav.core.bus import Bus, fits_packet
 from graphnav.core.codec import codec_of, decode, encode, lcm_name
 from graphnav.core.messages import About, Flow, Image, Message, Twist
-from graphnav.core.record import ABOUT
 from graphnav.core.tap import Tap
 
 RNG = np.random.default_rng(11)
@@ -104,7 +103,7 @@ def test_late_comers_hear_what_runs(group: str) -> None:
     listener = Listener(group)
     listener.wait_for(lambda received: received)
     tap.close()
-    assert listener.received[0][0] == ABOUT
+    assert listener.received[0][0] == About.CHANNEL
     about = decode(About, listener.received[0][1])[2]
     assert about.run_id == "run-1"
     assert (about.graph_yaml, about.channels, about.types) == (SAID.graph_yaml, SAID.channels, SAID.types)
@@ -186,7 +185,7 @@ def test_what_waits_is_sent_before_the_tap_closes(group: str) -> None:
 
 def test_a_foreign_message_on_the_reserved_channel_harms_nothing(group: str) -> None:
     listener, tap = Listener(group), Tap("thin", "run-1", group)
-    Bus(group).publish(ABOUT, b"garbage")
+    Bus(group).publish(About.CHANNEL, b"garbage")
     listener.wait_for(lambda received: received)
     tap.write("x", 1, b"still here")
     listener.wait_for(lambda _: listener.on("x"))

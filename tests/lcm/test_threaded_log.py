@@ -15,9 +15,10 @@ import pytest
 
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Gap
-from graphnav.core.record import ABOUT, GAP, LOG, LogGap, LogWriter, Recording, ThreadedLogWriter, threaded_writer
+from graphnav.core.record import LogGap, LogWriter, Recording, ThreadedLogWriter, threaded_writer
 from graphnav.core.record.log_files import LogFiles, Split
 from graphnav.core.record.log_paths import files_of, numbered
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.kept_messages import open_log
 from graphnav.core.spec import RunOptions
 
@@ -175,7 +176,7 @@ def test_once_the_disk_has_room_the_recording_goes_on_and_tells_the_gap(
         with Recording(path) as recording:
             assert (recording.truncated, recording.damaged) == (None, [])
             found += [event.utime - 10 for event in recording.events() if event.channel == "x"]
-            gaps = list(recording.messages(GAP))
+            gaps = list(recording.messages(Gap.CHANNEL))
             if path == first:
                 stamp, _, gap = gaps[0]
                 assert isinstance(gap, Gap)
@@ -194,18 +195,22 @@ def test_a_log_that_lost_its_description_gets_it_again(
     monkeypatch.setattr(threaded_writer, "_RETRY_S", 0.0)
     about = About("stages: {}", "", run_id="", seed=7, channels=("x",), types=("graphnav_lcm.twist_t",))
     with disk_of(10):
-        log = ThreadedLogWriter(tmp_path / LOG, open_log=partial(open_log, RunOptions(rotate_s=rotate_s)))
-        log.write(ABOUT, 5, encode(about, 5, 0))
+        log = ThreadedLogWriter(tmp_path / RunFolder.LOG, open_log=partial(open_log, RunOptions(rotate_s=rotate_s)))
+        log.write(About.CHANNEL, 5, encode(about, 5, 0))
         for k in range(30):
             log.write("x", 10 + k, bytes(1000))
         wait_until(lambda: log.dropped == 31)
     log.write("x", 50, bytes(1000))
     log.close()
     assert (log.failure, log.dropped, log.gaps) == ("", 31, [LogGap(5, 50, 31)])
-    with Recording(tmp_path / LOG) as recording:
+    with Recording(tmp_path / RunFolder.LOG) as recording:
         assert recording.about is not None
         assert recording.about.graph_yaml == about.graph_yaml
-        assert [(event.channel, event.utime) for event in recording.events()] == [(ABOUT, 5), (GAP, 50), ("x", 50)]
+        assert [(event.channel, event.utime) for event in recording.events()] == [
+            (About.CHANNEL, 5),
+            (Gap.CHANNEL, 50),
+            ("x", 50),
+        ]
 
 
 @pytest.fixture
@@ -258,7 +263,7 @@ def test_a_few_free_bytes_do_not_resume_a_recording(small_disk: Path, monkeypatc
     assert (log.failure, len(log.gaps), len(notices)) == ("", 1, 2)
     with Recording(path) as recording:
         assert (recording.truncated, recording.damaged) == (None, [])
-        (gap,) = (message for _, _, message in recording.messages(GAP))
+        (gap,) = (message for _, _, message in recording.messages(Gap.CHANNEL))
         assert isinstance(gap, Gap)
         assert gap.reason == "No space left on device"
         assert len(recording.utimes("x")) + gap.n_messages == n_given

@@ -26,7 +26,7 @@ from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.machine.console import Console
 from graphnav.core.messages import About, GuardState, Message, Status
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 from graphnav.watch.feed import MAX_RUNS, Health, Received
 from graphnav.watch.spy import health_as_json, health_as_text
 
@@ -254,7 +254,7 @@ def test_a_guard_whose_commands_are_not_sent_does_not_look_as_if_the_robot_may_m
 
 def test_a_run_that_was_only_announced_has_no_status() -> None:
     health = Health(lambda: 4.0)
-    health.receive(Received(ABOUT, encode(ABOUT_B, 0, 0), 1.0))
+    health.receive(Received(About.CHANNEL, encode(ABOUT_B, 0, 0), 1.0))
     assert not health.is_complete
     assert text_of(health) == "run run-b  no status for 3.0 s\n"
 
@@ -268,14 +268,14 @@ def test_what_no_terminal_should_obey_is_not_printed() -> None:
 def test_damaged_messages_are_left_aside() -> None:
     health = Health()
     for message in (STATUS, STOPPED, ABOUT_B):
-        health.receive(Received(ABOUT, encode(message, 0, 0)[:-3], 0.0))
+        health.receive(Received(About.CHANNEL, encode(message, 0, 0)[:-3], 0.0))
     assert (health.runs, health.guards) == ({}, {})
 
 
 def test_invented_runs_and_guards_do_not_fill_the_memory() -> None:
     health = Health()
     for k in range(3 * MAX_RUNS):
-        health.receive(Received(ABOUT, encode(replace(ABOUT_B, run_id=f"run-{k}"), 0, 0), k))
+        health.receive(Received(About.CHANNEL, encode(replace(ABOUT_B, run_id=f"run-{k}"), 0, 0), k))
         health.receive(Received("graphnav.status", encode(replace(STATUS, run_id="real"), 0, k), k))
         health.receive(Received(f"guard-{k}", encode(STOPPED, 0, 0), k))
     assert len(health.runs) == MAX_RUNS
@@ -351,7 +351,7 @@ def publishing(group: str) -> Publish:
 
 def test_two_runs_at_once_are_both_told(group: str, publishing: Publish, capsys: pytest.CaptureFixture[str]) -> None:
     other = replace(STATUS, run_id="run-b", live=False, stages=(), inputs=(), outputs=(), edges=())
-    said = (("graphnav.status", STATUS), ("graphnav.status", other), ("guard.state", STOPPED), (ABOUT, ABOUT_B))
+    said = (("graphnav.status", STATUS), ("graphnav.status", other), ("guard.state", STOPPED), (About.CHANNEL, ABOUT_B))
     with publishing(*said):
         assert main(["top", "--json", "--for", "60", group]) == 0
         told = json.loads(capsys.readouterr().out)
@@ -376,7 +376,7 @@ def test_two_runs_at_once_are_both_told(group: str, publishing: Publish, capsys:
 def test_an_announced_run_without_status_is_waited_for_and_named(
     group: str, publishing: Publish, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with publishing((ABOUT, ABOUT_B)):
+    with publishing((About.CHANNEL, ABOUT_B)):
         assert main(["top", "--once", "--for", "1", group]) == 1
     assert capsys.readouterr().err == f"no status within 1 s of run run-b, which is received on {group}\n"
 

@@ -19,7 +19,8 @@ import pytest
 from graphnav.core.cli import main
 from graphnav.core.codec import SHIPPED, comments_of, constants_of, find_type, fingerprint, lcm_name
 from graphnav.core.errors import UserError
-from graphnav.core.typeinfo import definition_files, definition_text, write_java
+from graphnav.core.typeinfo import definition_files, definition_text
+from graphnav.develop.java import write_java
 
 from .conftest import TOOLS
 

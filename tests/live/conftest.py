@@ -16,9 +16,9 @@ from graphnav import Image, Odometry, Recording, Twist
 from graphnav.core.bus import Bus
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import decode, encode
-from graphnav.core.graph import Graph, load_graph, parse_override
+from graphnav.core.graph import Graph, Override, load_graph
 from graphnav.core.messages import Message
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.live.run import run_live
 from graphnav.replay.comparison.result import ReplayResult
@@ -117,7 +117,7 @@ class Live:
         if self._error is not None:
             raise self._error
         assert self._summary is not None
-        return self._summary, Recording(self.folder / LOG)
+        return self._summary, Recording(self.folder / RunFolder.LOG)
 
     def _run(self, graph: Graph, url: str, options: dict[str, Any]) -> None:
         try:
@@ -225,7 +225,7 @@ def again() -> Callable[..., ReplayResult]:
         catalog = Catalog()
         catalog.add_file(STAGES)
         with Recording(log) as recording:
-            made = graph_to_replay(recording, catalog, overrides=[*map(parse_override, ("slow.dawdle_s=0", *sets))])
+            made = graph_to_replay(recording, catalog, overrides=[*map(Override.parse, ("slow.dawdle_s=0", *sets))])
             return replay(recording, made, ReplayOptions(**options), out=out)
 
     return run

@@ -11,8 +11,7 @@ import pytest
 
 from graphnav import Twist
 from graphnav.core.errors import UserError
-from graphnav.core.machine.receive_buffer import RECEIVE_BUFFER_BYTES as NEEDED
-from graphnav.core.machine.receive_buffer import buffer_limit
+from graphnav.core.machine.receive_buffer import ReceiveBuffer
 
 if TYPE_CHECKING:
     from tests.live.conftest import Live, Outside
@@ -125,11 +124,15 @@ def test_packets_that_the_receive_buffer_does_not_hold_are_told_with_what_helps(
 
     program.wait_for(drops)
     notice = next(line for line in run.notices if line.startswith("lost: the kernel dropped "))
-    as_root = f"run as root: sysctl -w net.core.rmem_max={NEEDED}; " if buffer_limit() < NEEDED else ""
+    as_root = (
+        f"run as root: sysctl -w net.core.rmem_max={ReceiveBuffer.REQUESTED_BYTES}; "
+        if ReceiveBuffer.limit() < ReceiveBuffer.REQUESTED_BYTES
+        else ""
+    )
     assert re.fullmatch(
         r"lost: the kernel dropped \d+ packets that the receive buffer of 16384 bytes did not hold; "
         r"messages of several packets: (1 MB of )?camera.image on CAMERA\n"
-        f"  {as_root}write recv_buf_size={NEEDED} in the URL, and start again",
+        f"  {as_root}write recv_buf_size={ReceiveBuffer.REQUESTED_BYTES} in the URL, and start again",
         notice,
     )
     summary, _ = run.stop()

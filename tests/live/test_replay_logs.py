@@ -12,8 +12,7 @@ import pytest
 
 from graphnav import Recording, Twist
 from graphnav.core.cli import main
-from graphnav.core.messages import Fired
-from graphnav.core.record import ABOUT
+from graphnav.core.messages import About, Fired
 from graphnav.replay.comparison.result import ReplayResult
 
 Again = Callable[..., ReplayResult]
@@ -27,7 +26,7 @@ def said_in(log: Path) -> dict[str, list[bytes]]:
     with Recording(log) as recording:
         for event in recording.events():
             said[event.channel].append(event.data)
-    del said[ABOUT]
+    del said[About.CHANNEL]
     return said
 
 
@@ -80,7 +79,7 @@ def test_the_log_of_a_replay_describes_itself(
     out = tmp_path / "out.lcmlog"
     again(log, *TWIN, out=out)
     with Recording(out) as recording, Recording(log) as recorded:
-        assert recording.at(0).channel == ABOUT
+        assert recording.at(0).channel == About.CHANNEL
         assert "twin" in recording.graph["stages"]
         assert recording.begin_us == recorded.begin_us
         assert recording.timeline.n_jumps == 0

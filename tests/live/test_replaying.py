@@ -13,7 +13,6 @@ from graphnav import Recording
 from graphnav.core.errors import UserError
 from graphnav.core.messages import Fired
 from graphnav.core.record import LogWriter
-from graphnav.core.runner.firing import FIRED
 from graphnav.replay.comparison.result import ReplayResult
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ def test_nothing_swapped_is_no_difference(again: Again, log: Path) -> None:
     assert set(result.stepped) == {"see", "slow", "both", "gather", "guard"}
     with Recording(log) as recording:
         counts = {name: recording.count(name) for name in result.channels}
-        assert recording.count(FIRED) >= result.n_ticks
+        assert recording.count(Fired.CHANNEL) >= result.n_ticks
     assert {name: channel.n_compared for name, channel in result.channels.items()} == counts
     assert min(counts.values()) > 0
 
@@ -66,7 +65,7 @@ def test_the_middle_is_played_and_comparing_begins_later(again: Again, log: Path
 def test_a_log_without_firings_is_refused(again: Again, log: Path, tmp_path: Path) -> None:
     with Recording(log) as recording, LogWriter(tmp_path / "old.lcmlog") as writer:
         for event in recording.events():
-            if event.channel != FIRED:
+            if event.channel != Fired.CHANNEL:
                 writer.write(*event)
     with pytest.raises(UserError, match=r"old\.lcmlog does not hold the firings of the stages: no 'graphnav\.fired'"):
         again(tmp_path / "old.lcmlog")
@@ -103,7 +102,7 @@ def test_a_small_log_keeps_the_firings(again: Again, every_kind: str, live: Begi
         program.show("CAMERA", level, size=(80, 80))
         program.wait_for(partial(_is_heard, program, 2 * level))
     _, recording = run.stop()
-    fired = [message for _, _, message in recording.messages(FIRED) if isinstance(message, Fired)]
+    fired = [message for _, _, message in recording.messages(Fired.CHANNEL) if isinstance(message, Fired)]
     assert {one.stage for one in fired} >= {"see", "slow", "both", "guard", "tick"}
     with pytest.raises(UserError, match=r"camera\.image: \d of \d\n"):
         again(run.folder / "run.lcmlog")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from graphnav import Recording
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from tests.forked_commands import forked_graphnav
 
 PLUGIN = Path(__file__).parents[1] / "core" / "runner" / "misbehaving.py"
@@ -50,6 +50,6 @@ def test_a_live_run_ends_with_the_stage_its_log_and_its_summary(
     assert summary["cause"] == f"stage 'b' (odd.faulty) failed: {said}"
     assert summary["failure"] in done.stderr
     assert "Traceback" not in done.stderr
-    with Recording(tmp_path / "out" / LOG) as log:
+    with Recording(tmp_path / "out" / RunFolder.LOG) as log:
         assert log.truncated is None
         assert log.count("c.twist") >= 3

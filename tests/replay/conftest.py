@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override
-from graphnav.core.record import LOG, LogWriter, Recording
+from graphnav.core.graph import Override, load_graph
+from graphnav.core.record import LogWriter, Recording
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.replay.comparison.result import ReplayResult
 from graphnav.replay.log.log_graph import LogGraph, graph_to_replay
@@ -49,11 +50,11 @@ def record(tmp_path: Path) -> Record:
         path.write_text(textwrap.dedent(text))
         is_said = "record:" in text or any(one.startswith("run.record=") for one in sets)
         everything = () if is_said else ("run.record=all",)
-        graph = load_graph(path, catalog(), [*map(parse_override, (*everything, *sets))])
+        graph = load_graph(path, catalog(), [*map(Override.parse, (*everything, *sets))])
         folder = tmp_path / name
         folder.mkdir()
         run_recorded(graph, graph.make_stages(), folder)
-        return folder / LOG
+        return folder / RunFolder.LOG
 
     return run
 
@@ -64,7 +65,7 @@ def made() -> Made:
 
     def load(log: Path, *sets: str, graph: Path | None = None) -> LogGraph:
         with Recording(log) as recording:
-            return graph_to_replay(recording, catalog(), graph=graph, overrides=[*map(parse_override, sets)])
+            return graph_to_replay(recording, catalog(), graph=graph, overrides=[*map(Override.parse, sets)])
 
     return load
 
@@ -75,7 +76,7 @@ def again() -> Again:
 
     def run(log: Path, *sets: str, graph: Path | None = None, out: Path | None = None, **options: Any) -> ReplayResult:
         with Recording(log) as recording:
-            made = graph_to_replay(recording, catalog(), graph=graph, overrides=[*map(parse_override, sets)])
+            made = graph_to_replay(recording, catalog(), graph=graph, overrides=[*map(Override.parse, sets)])
             return replay(recording, made, ReplayOptions(**options), out=out)
 
     return run

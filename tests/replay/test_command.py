@@ -10,7 +10,9 @@ import pytest
 
 from graphnav.core.cli import main
 from graphnav.core.codec import encode
-from graphnav.core.record import ABOUT, LOG, LogWriter, Recording
+from graphnav.core.messages import About
+from graphnav.core.record import LogWriter, Recording
+from graphnav.core.run_folder import RunFolder
 
 PLUGIN = """
 import numpy as np
@@ -99,10 +101,10 @@ def test_a_plugin_that_changed_takes_the_place_of_the_recorded_one(
 
 
 def test_a_log_alone_loads_no_plugin(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (folder / LOG).rename("alone.lcmlog")
+    (folder / RunFolder.LOG).rename("alone.lcmlog")
     Path("graph.yaml").write_text("plugins: [mine.py]\n" + GRAPH)
     assert main(["run", "graph.yaml", "--no-tap", "--no-pictures", "-o", "named"]) == 0
-    (Path("named") / LOG).rename("named.lcmlog")
+    (Path("named") / RunFolder.LOG).rename("named.lcmlog")
     capsys.readouterr()
     assert main(["replay", "named.lcmlog"]) == 2
     assert capsys.readouterr().err == (
@@ -125,12 +127,12 @@ def test_a_hostile_description_loads_nothing_and_is_printed_as_text(
         'stages: {a: {use: "\\e[31mx.y"}}\n': "there is no family '\\x1b[31mx'",
         "stages: [": "hostile.lcmlog (graphnav.about):1:10: YAML: ",
     }
-    with Recording(folder / LOG) as recording:
+    with Recording(folder / RunFolder.LOG) as recording:
         assert recording.about is not None
         about = recording.about
         for text, error in said.items():
             with LogWriter("hostile.lcmlog") as writer:
-                writer.write(ABOUT, 0, encode(replace(about, graph_yaml=text), 0, 0))
+                writer.write(About.CHANNEL, 0, encode(replace(about, graph_yaml=text), 0, 0))
             assert main(["replay", "hostile.lcmlog"]) == 2
             told = capsys.readouterr().err
             assert error in told

@@ -13,7 +13,7 @@ from graphnav import Image, Recording
 from graphnav.core.codec import decode, encode
 from graphnav.core.errors import UserError
 from graphnav.core.messages import About
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 from graphnav.replay.comparison.result import ReplayResult
 
 Record = Callable[..., Path]
@@ -71,7 +71,7 @@ def test_the_log_of_the_run_itself_is_used_up_to_what_is_missing(
 
 
 def test_a_logger_that_began_late(record: Record, again: Again, rewrite: Rewrite) -> None:
-    log = rewrite(record(), lambda channel, index: channel == ABOUT or index >= 3, offset_us=10**15)
+    log = rewrite(record(), lambda channel, index: channel == About.CHANNEL or index >= 3, offset_us=10**15)
     with pytest.raises(UserError, match=r"robot\.odometry: 3 of 30, from the first on"):
         again(log)
 
@@ -107,7 +107,7 @@ def test_pictures_that_the_tap_thinned(record: Record, again: Again, tmp_path: P
     with Recording(log) as recording, LogWriter(tmp_path / "tap.lcmlog") as writer:
         for number, event in enumerate(recording.events()):
             data = event.data
-            if event.channel == ABOUT:
+            if event.channel == About.CHANNEL:
                 data = encode(replace(decode(About, data)[2], run_id="12345678"), 0, 0)
             elif event.channel == "robot.image":
                 utime, seq, image = decode(Image, data)
@@ -120,7 +120,7 @@ def test_pictures_that_the_tap_thinned(record: Record, again: Again, tmp_path: P
 
 
 def test_a_log_that_does_not_say_its_graph(record: Record, again: Again, rewrite: Rewrite, tmp_path: Path) -> None:
-    log = rewrite(record(), lambda channel, _: channel != ABOUT)
+    log = rewrite(record(), lambda channel, _: channel != About.CHANNEL)
     with pytest.raises(
         UserError, match=r"does not hold the graph that produced it: .*\n  name the graph with --graph FILE"
     ):

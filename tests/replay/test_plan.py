@@ -8,7 +8,7 @@ import pytest
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import UserError
-from graphnav.core.graph import Graph, graph_of, load_graph, parse_override
+from graphnav.core.graph import Graph, Override, graph_of, load_graph
 from graphnav.replay.plan import make_plan, notices_of
 
 SHIPPED = "corridor_ccw"
@@ -61,6 +61,6 @@ def test_something_has_to_step() -> None:
 
 def test_swaps_of_what_does_not_step_are_told() -> None:
     sets = ["robot.rate_hz=20", "flow=flow.dis", "steer.gain=2"]
-    graph = load_graph(SHIPPED, Catalog(), [*map(parse_override, sets)])
+    graph = load_graph(SHIPPED, Catalog(), [*map(Override.parse, sets)])
     assert [notice.partition(":")[0] for notice in notices_of(make_plan(graph, ["flow"]))] == ["robot", "flow"]
     assert [notice.partition(":")[0] for notice in notices_of(make_plan(graph))] == ["robot"]

@@ -12,8 +12,8 @@ from graphnav.core.codec import decode, encode
 from graphnav.core.errors import UserError
 from graphnav.core.graph import load_graph
 from graphnav.core.messages import About
-from graphnav.core.record import ABOUT, LogWriter, Recording
-from graphnav.core.run_folder import GRAPH
+from graphnav.core.record import LogWriter, Recording
+from graphnav.core.run_folder import RunFolder
 from tests.replay.conftest import LOOP, Made, Record, catalog
 
 HINT = "did you mean 'offset'? It was renamed"
@@ -23,13 +23,13 @@ def of_older_version(log: Path) -> Path:
     """Return a copy of a run folder whose graph and log use the old name of ``offset``; its log."""
     folder = log.parent.with_name("older")
     folder.mkdir()
-    saved = (log.parent / GRAPH).read_text()
+    saved = (log.parent / RunFolder.GRAPH).read_text()
     assert "offset:" in saved
-    (folder / GRAPH).write_text(saved.replace("offset:", "shift:"))
+    (folder / RunFolder.GRAPH).write_text(saved.replace("offset:", "shift:"))
     with Recording(log) as recording, LogWriter(folder / log.name) as writer:
         for event in recording.events():
             data = event.data
-            if event.channel == ABOUT:
+            if event.channel == About.CHANNEL:
                 utime, seq, about = decode(About, data)
                 older = dataclasses.replace(about, graph_yaml=about.graph_yaml.replace("offset:", "shift:"))
                 data = encode(older, utime, seq)
@@ -52,13 +52,13 @@ def test_a_log_with_an_old_name_is_replayed(older: Path, made: Made, tmp_path: P
 
 
 def test_a_run_folder_with_an_old_name_runs_again(older: Path) -> None:
-    graph = load_graph(older.parent / GRAPH, catalog())
+    graph = load_graph(older.parent / RunFolder.GRAPH, catalog())
     assert next(node.params for node in graph.nodes if node.name == "mean")["offset"] == 3.0
 
 
 def test_a_graph_with_an_old_name_is_refused_with_the_new_one(older: Path, tmp_path: Path) -> None:
     written = tmp_path / "written.yaml"
-    shutil.copy(older.parent / GRAPH, written)
+    shutil.copy(older.parent / RunFolder.GRAPH, written)
     with pytest.raises(UserError) as caught:
         load_graph(written, catalog())
     assert [(p.what, str(p.hint)) for p in caught.value.problems] == [("again.mean has no parameter 'shift'", HINT)]

@@ -13,7 +13,8 @@ import pytest
 from graphnav import Recording
 from graphnav.core.errors import UserError
 from graphnav.core.machine.console import Console
-from graphnav.core.record import ABOUT, SMALL_BYTES, LogWriter
+from graphnav.core.messages import About
+from graphnav.core.record import LogWriter
 from graphnav.replay.comparison.result import ReplayResult
 from graphnav.replay.comparison.result_text import as_text
 
@@ -49,12 +50,12 @@ REPLAYABLE = "run.record=replayable"
 def events_of(log: Path) -> Events:
     """Return everything in a log but how it describes itself."""
     with Recording(log) as recording:
-        return [(one.channel, one.utime, one.data) for one in recording.events() if one.channel != ABOUT]
+        return [(one.channel, one.utime, one.data) for one in recording.events() if one.channel != About.CHANNEL]
 
 
 def large_of(events: Events) -> dict[str, list[int]]:
     """Return the stamps of the large messages by channel."""
-    large = [(channel, utime) for channel, utime, data in events if len(data) >= SMALL_BYTES]
+    large = [(channel, utime) for channel, utime, data in events if len(data) >= Recording.SMALL_BYTES]
     return {name: [utime for channel, utime in large if channel == name] for name, _ in large}
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from graphnav import Recording
 from graphnav.core.errors import UserError
-from graphnav.core.record import ABOUT
+from graphnav.core.messages import About
 from graphnav.replay.comparison.field_differences import Tolerance
 from graphnav.replay.comparison.result import ReplayResult
 
@@ -21,7 +21,7 @@ STEPPED = ("mean", "gather", "late", "score")
 def events_of(log: Path) -> list[tuple[str, int, bytes]]:
     """Return everything in a log but how it describes itself."""
     with Recording(log) as recording:
-        return [(one.channel, one.utime, one.data) for one in recording.events() if one.channel != ABOUT]
+        return [(one.channel, one.utime, one.data) for one in recording.events() if one.channel != About.CHANNEL]
 
 
 def test_nothing_swapped_is_no_difference_byte_for_byte(record: Record, again: Again, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from testbed.rig import summary_of
 
 from graphnav import Recording, State
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 
 MAX_AGE_S = 0.5
 GUARD_PERIOD_S = 0.05
@@ -48,7 +48,7 @@ class States:
         self.outcome: str = summary_of(run)["outcome"]
         self._times: list[float] = []
         self._states: list[State] = []
-        with Recording(run / LOG) as log:
+        with Recording(run / RunFolder.LOG) as log:
             for utime, _, state in log.messages("robot.state"):
                 assert isinstance(state, State)
                 self._times.append(utime / 1e6 - clock_s)

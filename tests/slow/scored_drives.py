@@ -14,7 +14,7 @@ from graphnav_score.flow import Flow
 from graphnav_score.plane import Plane
 
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.graph import Override, load_graph
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.trust import Trust
 
@@ -38,7 +38,7 @@ def pooled(scores: Sequence[Plane]) -> Plane:
 
 
 def _drive(name: str, sets: Sequence[str]) -> Scores:
-    graph = load_graph(name, Catalog(Trust(runs_all=True)), [*map(parse_override, sets)])
+    graph = load_graph(name, Catalog(Trust(runs_all=True)), [*map(Override.parse, sets)])
     stages = graph.make_stages()
     with tempfile.TemporaryDirectory() as scratch:
         summary = run_recorded(graph, stages, Path(scratch))

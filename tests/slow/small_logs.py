@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override
-from graphnav.core.record import LOG
+from graphnav.core.graph import Override, load_graph
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.live.run import run_live
 
@@ -31,12 +31,12 @@ def record_tiny(folder: Path, *, is_live: bool) -> Path:
         run_live(graph, graph.make_stages(), folder, notice=lambda _: None)
     else:
         run_recorded(graph, graph.make_stages(), folder)
-    return folder / LOG
+    return folder / RunFolder.LOG
 
 
 def record_drive(folder: Path, until_s: float) -> Path:
     """Drive through the corridor in lockstep and return the log; ``folder`` must not exist."""
     folder.mkdir()
-    graph = load_graph("corridor_ccw", Catalog(), [*map(parse_override, (f"run.until_s={until_s}", "run.record=all"))])
+    graph = load_graph("corridor_ccw", Catalog(), [*map(Override.parse, (f"run.until_s={until_s}", "run.record=all"))])
     run_recorded(graph, graph.make_stages(), folder)
-    return folder / LOG
+    return folder / RunFolder.LOG

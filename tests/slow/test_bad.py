@@ -29,7 +29,7 @@ from testbed.drives import GRAPHNAV
 from testbed.rig import Rig
 
 from graphnav import Recording, Status
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 from .bad_sender import GARBAGE, SECOND_WRITER, WELL_FORMED
@@ -191,7 +191,7 @@ def _read_log(run: Path, ref: str) -> tuple[list[tuple[int, Counts]], Counter[by
     """Return what each status counted, by stamp, and the bytes of the messages that were handed to stages."""
     statuses: list[tuple[int, Counts]] = []
     delivered: Counter[bytes] = Counter()
-    with Recording(run / LOG) as log:
+    with Recording(run / RunFolder.LOG) as log:
         for event in log.events():
             if event.channel == ref:
                 delivered[event.data] += 1

@@ -11,7 +11,7 @@ from testbed.relay import STAMPS
 from testbed.rig import Rig
 
 from graphnav import GuardState, Recording
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 NUMBER = 215
@@ -59,7 +59,7 @@ def test_clocks(targets: Targets, seeds: range, tmp_path: Path) -> None:
 
 def _judge(targets: Targets, case: Case, printed: Sequence[str], run: Path) -> None:
     """Print what a run said of a fault; check whether that was it."""
-    with Recording(run / LOG) as log:
+    with Recording(run / RunFolder.LOG) as log:
         states = [(utime, one) for utime, _, one in log.messages("guard.state") if isinstance(one, GuardState)]
     begin = states[0][0] + SETTLES_S * 1e6
     moves = [state.may_move for utime, state in states if utime >= begin]

@@ -17,7 +17,8 @@ from testbed.drives import GRAPHNAV
 from testbed.processes import await_file, end, group_url
 
 from graphnav import Recording
-from graphnav.core.record import ABOUT, LOG
+from graphnav.core.messages import About
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 from .foreign_listeners import Sums, c_listener, java_listener, played
@@ -80,8 +81,8 @@ def _tapped(folder: Path, tap: str, seed: int, recorder: Sequence[str], log: Pat
         time.sleep(1.0)
     finally:
         end(program)
-    with Recording(folder / LOG) as run:
-        return {channel: run.count(channel) for channel in run.channels if channel != ABOUT}
+    with Recording(folder / RunFolder.LOG) as run:
+        return {channel: run.count(channel) for channel in run.channels if channel != About.CHANNEL}
 
 
 def test_exchange_our_log_in_c(targets: Targets, recorded: Recorded, tmp_path: Path) -> None:

@@ -23,7 +23,8 @@ from mcap_protobuf.decoder import DecoderFactory
 from testbed.drives import GRAPHNAV, drive
 
 from graphnav import Recording
-from graphnav.core.record import ABOUT, LOG
+from graphnav.core.messages import About
+from graphnav.core.run_folder import RunFolder
 from graphnav.watch.export.entries.topics import Topics
 from graphnav.watch.export.foxglove.foxglove_channels import TOPICS
 from graphnav.watch.export.tables.scalar_fields import Scalar, leaves_of
@@ -52,7 +53,7 @@ def test_exports(targets: Targets, run: Path, kind: str) -> None:
     target = run.parent / f"run.{kind}"
     command = [str(GRAPHNAV), "export", str(run), "--to", kind, "-o", str(target)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    with Recording(run / LOG) as recording:
+    with Recording(run / RunFolder.LOG) as recording:
         n_messages = sum(map(recording.count, recording.channels))
         lasted_s = recording.timeline.duration_us * 1e-6
         targets.say(f"a drive of {lasted_s:.1f} s, {n_messages} messages on {len(recording.channels)} channels")
@@ -170,7 +171,7 @@ def _same_scalars(recording: Recording, read: Callable[[str], Any]) -> tuple[boo
 
 def _exported(recording: Recording) -> dict[str, type]:
     """Return the channels that an export holds, with their types: what describes the log is not one."""
-    return {name: lcm_class for name, lcm_class in recording.channels.items() if name != ABOUT and lcm_class}
+    return {name: lcm_class for name, lcm_class in recording.channels.items() if name != About.CHANNEL and lcm_class}
 
 
 def _as_type(cell: Any, like: Scalar) -> Any:

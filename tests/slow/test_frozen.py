@@ -18,7 +18,7 @@ from testbed.processes import drives_forward, hear
 from testbed.rig import Rig
 
 from graphnav import GuardState, Recording, State
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 FIRST_NUMBER = 171
@@ -182,7 +182,7 @@ def _met(trial: Trial, seed: int, number: int, folder: Path) -> Result:
 def _measured(folder: Path, trial: Trial, begin_s: float) -> Result:
     stop_s, cause, way_m, contact, before_s = math.inf, "not named", 0.0, False, begin_s
     free_s, stands, paused = begin_s, False, 0
-    with Recording(folder / "navigation-0" / LOG) as log:
+    with Recording(folder / "navigation-0" / RunFolder.LOG) as log:
         for utime, _, state in log.messages("guard.state"):
             assert isinstance(state, GuardState)
             named = [one for one in state.causes if one in trial.causes]
@@ -194,7 +194,7 @@ def _measured(folder: Path, trial: Trial, begin_s: float) -> Result:
             if stands and state.may_move:
                 free_s, paused = utime * 1e-6, paused + 1
             stands = not state.may_move
-    with Recording(folder / "robot" / LOG) as log:
+    with Recording(folder / "robot" / RunFolder.LOG) as log:
         for utime, _, state in log.messages("robot.state"):
             assert isinstance(state, State)
             if utime * 1e-6 >= begin_s:
@@ -255,6 +255,6 @@ def _count(
 
 def _false(run: Path) -> tuple[int, int]:
     """Return at how many firings the guard named an input that contradicts the motion, of how many."""
-    with Recording(run / LOG) as log:
+    with Recording(run / RunFolder.LOG) as log:
         states = [state for _, _, state in log.messages("guard.state") if isinstance(state, GuardState)]
     return sum(bool((ODOMETRY_CAUSES | {"frozen"}) & set(state.causes)) for state in states), len(states)

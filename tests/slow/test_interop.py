@@ -20,7 +20,7 @@ from testbed.processes import await_file, end, graphnav_run, group_url, hear, py
 from testbed.rig import Rig
 
 from graphnav import Recording, State
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 HERE = Path(__file__).parent
@@ -45,7 +45,7 @@ def test_interop_pub_drives_the_robot(targets: Targets, tmp_path: Path, seed: in
         pub = [str(GRAPHNAV), "pub", "BASE_CMD", "Twist", f"v_mps: {V_MPS}", "--rate", "10", "--for", "3"]
         subprocess.run([*pub, "--url", url], check=True, stdout=subprocess.DEVNULL)
         time.sleep(2.0)
-    with Recording(folder / "robot" / LOG) as log:
+    with Recording(folder / "robot" / RunFolder.LOG) as log:
         heard_s = [event.utime * 1e-6 for event in log.events() if event.channel == "base.twist"]
         states = [(utime * 1e-6, m) for utime, _, m in log.messages("robot.state") if isinstance(m, State)]
     (_, first), (_, last) = states[0], states[-1]
@@ -81,7 +81,7 @@ def test_interop_stamps_of_a_camera_that_jitters(targets: Targets, tmp_path: Pat
     url, folder = group_url(204), tmp_path
     graph = graphnav_run(HERE / "flow_live.yaml", url, folder / "run")
     with running(graph, folder / "run.txt") as process:
-        await_file(folder / "run" / LOG)
+        await_file(folder / "run" / RunFolder.LOG)
         camera = python(HERE / "jittering_camera.py", url, str(FRAMES))
         done = subprocess.run(camera, check=True, capture_output=True, text=True)
         time.sleep(1.0)
@@ -89,7 +89,7 @@ def test_interop_stamps_of_a_camera_that_jitters(targets: Targets, tmp_path: Pat
     sent: list[int] = json.loads(done.stdout)
     summary = json.loads((folder / "run" / "summary.json").read_text())
     overtaken = sum(edge["overtaken"] for edge in summary["live"]["edges"])
-    with Recording(folder / "run" / LOG) as log:
+    with Recording(folder / "run" / RunFolder.LOG) as log:
         seen, flows = log.utimes("camera.image"), log.utimes("flow.flow")
     intervals_ms = [(later - earlier) / 1e3 for earlier, later in pairwise(sent)]
     accepted = summary["live"]["inputs"][0]["accepted"]

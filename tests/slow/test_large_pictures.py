@@ -18,9 +18,9 @@ import pytest
 from testbed.processes import await_file, end, group_url
 
 from graphnav import Image, Recording
-from graphnav.core.bus import MAKE_ROUTE, Bus
+from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
-from graphnav.core.machine.receive_buffer import try_receive_buffer
+from graphnav.core.machine.receive_buffer import ReceiveBuffer
 from tests.targets import Targets
 
 from .foreign_listeners import c_listener, java_listener
@@ -62,7 +62,7 @@ class Cost(NamedTuple):
 def test_large(targets: Targets, tmp_path: Path, pytestconfig: pytest.Config) -> None:
     """Measure in a network namespace of its own, where no other traffic is; print what arrived and what it took."""
     inside = [sys.executable, "-m", "tests.slow.test_large_pictures", str(tmp_path)]
-    command = ["unshare", "-rn", "sh", "-c", f'{MAKE_ROUTE} && exec "$@"', "sh", *inside]
+    command = ["unshare", "-rn", "sh", "-c", f'{Bus.MAKE_ROUTE} && exec "$@"', "sh", *inside]
     with subprocess.Popen(command, cwd=pytestconfig.rootpath, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         for line in process.stdout:
@@ -76,7 +76,7 @@ def test_large(targets: Targets, tmp_path: Path, pytestconfig: pytest.Config) ->
 
 def main(folder: Path) -> None:
     """Measure every size and rate; print whether it is judged, whether that is good, and what it is, line by line."""
-    held_bytes = try_receive_buffer(STOCK_BYTES).held_bytes
+    held_bytes = ReceiveBuffer.measured(STOCK_BYTES).held_bytes
     _tell(f"a buffer of {STOCK_BYTES} bytes holds messages up to {held_bytes / 1e3:.0f} kB in one burst")
     url = group_url(234)
     programs = {

@@ -13,7 +13,8 @@ from testbed.rig import Rig
 
 from graphnav import Recording
 from graphnav.arrays import Doubles
-from graphnav.core.record import LOG, Event
+from graphnav.core.record import Event
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 DRIVE_S = 20.0
@@ -69,7 +70,7 @@ def _load(name: str, seed: int, folder: Path) -> Load:
     with Rig(folder, 1 + seed % 100, seed, (*robot_options, "--until", str(DRIVE_S + 5))) as rig:
         rig.navigate(options=options)
         live = rig.finish()[1]["live"]
-    with Recording(folder / "navigation-0" / LOG) as run:
+    with Recording(folder / "navigation-0" / RunFolder.LOG) as run:
         ages = [(event.utime - _utime(event)) / 1e3 for event in run.events() if event.channel == "control.twist"]
     camera = next(one for one in live["inputs"] if one["name"] == "camera.image")
     overtaken = sum(one["overtaken"] for one in live["edges"] if one["name"] == "flow.image")
@@ -83,7 +84,10 @@ def _passed_over(name: str, seed: int, folder: Path) -> tuple[int, int, int]:
     with Rig(folder, 1 + seed % 100, seed, (*robot_options, *everything, "--until", str(DRIVE_S + 5))) as rig:
         rig.navigate(options=(*options, *everything))
         dropped = rig.finish()[1]["live"]["log_dropped"]
-    with Recording(folder / "robot" / LOG) as robot, Recording(folder / "navigation-0" / LOG) as run:
+    with (
+        Recording(folder / "robot" / RunFolder.LOG) as robot,
+        Recording(folder / "navigation-0" / RunFolder.LOG) as run,
+    ):
         published = [event.utime for event in robot.events() if event.channel == "robot.image"]
         stamps = robot.utimes("robot.image")
         delivered = newest = looked_at = passed_over = 0

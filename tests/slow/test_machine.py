@@ -17,7 +17,7 @@ from testbed.drives import GRAPHNAV
 from testbed.processes import await_file
 
 from graphnav import Recording
-from graphnav.core.bus import GROUP
+from graphnav.core.bus import Bus
 from tests.targets import Targets
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,12 +59,12 @@ def _logged(tap: str, buffer: str, folder: Path) -> tuple[int, int, int]:
     """Return the numbers of messages in our log, in lcm-logger's, and of those in theirs that differ from ours."""
     heard = folder / "heard.lcmlog"
     logger = subprocess.Popen(
-        [str(Path(lcm.LCM_BIN_DIR) / "lcm-logger"), "--quiet", "--lcm-url", GROUP + buffer, str(heard)]
+        [str(Path(lcm.LCM_BIN_DIR) / "lcm-logger"), "--quiet", "--lcm-url", Bus.GROUP + buffer, str(heard)]
     )
     time.sleep(1)
     command = [str(GRAPHNAV), "run", "corridor_ccw", "--seed", "3", "--pace", "1", "--tap", tap, "--until", "30"]
     command += ["--record", "all", "--no-pictures", "-o", str(folder / "run")]
-    subprocess.run(command, check=True, capture_output=True, env={**os.environ, "LCM_DEFAULT_URL": GROUP})
+    subprocess.run(command, check=True, capture_output=True, env={**os.environ, "LCM_DEFAULT_URL": Bus.GROUP})
     time.sleep(1)
     logger.terminate()
     logger.wait()

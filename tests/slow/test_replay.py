@@ -18,8 +18,8 @@ from testbed.rig import Rig
 
 from graphnav import Recording, Twist
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import parse_override
-from graphnav.core.record import LOG
+from graphnav.core.graph import Override
+from graphnav.core.run_folder import RunFolder
 from graphnav.replay.comparison.result import ReplayResult
 from graphnav.replay.log.log_graph import graph_to_replay
 from graphnav.replay.replay import ReplayOptions, replay
@@ -50,14 +50,14 @@ def test_replay_in_lockstep(targets: Targets, seeds: range, tmp_path: Path, plac
     command = [str(GRAPHNAV), "run", "corridor_ccw", "--seed", str(seed), "--until", str(DRIVE_S), "--no-tap"]
     command += ["--no-pictures", "-o", str(tmp_path / "run"), *LIMITED]
     subprocess.run(command, check=True, capture_output=True)
-    _check_replays(targets, tmp_path / "run" / LOG, tmp_path)
+    _check_replays(targets, tmp_path / "run" / RunFolder.LOG, tmp_path)
 
 
 def test_replay_live(targets: Targets, seeds: range, tmp_path: Path) -> None:
     with Rig(tmp_path, 90, seeds[0], max_drive_s=LIVE_S) as rig:
         rig.navigate(options=[*LIMITED, "--set", "run.record=all"])
         rig.finish()
-    _check_replays(targets, tmp_path / "navigation-0" / LOG, tmp_path)
+    _check_replays(targets, tmp_path / "navigation-0" / RunFolder.LOG, tmp_path)
 
 
 def _check_replays(targets: Targets, log: Path, folder: Path) -> None:
@@ -100,7 +100,7 @@ def _replay(log: Path, *sets: str, plugin: Path | None = None, out: Path | None 
     catalog, plugins = Catalog(), [plugin or LIMIT]
     catalog.add_file(plugins[0])
     with Recording(log) as recording:
-        made = graph_to_replay(recording, catalog, overrides=[*map(parse_override, sets)], plugins=plugins)
+        made = graph_to_replay(recording, catalog, overrides=[*map(Override.parse, sets)], plugins=plugins)
         return replay(recording, made, ReplayOptions(), out=out)
 
 

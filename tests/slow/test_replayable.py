@@ -12,7 +12,8 @@ from testbed.drives import GRAPHNAV
 from graphnav import Recording
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import load_graph, shipped_folder
-from graphnav.core.record import ABOUT, LOG
+from graphnav.core.messages import About
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 DRIVES = (("corridor_ccw", 15.0), ("pillars", 15.0), ("approach", 10.0))
@@ -91,9 +92,9 @@ def _drive(graph: str, until_s: float, seed: int, record: str | None, folder: Pa
     run = folder / (record or "default")
     command += [*(["--record", record] if record else []), "-o", str(run)]
     subprocess.run(command, check=True, capture_output=True, timeout=600)
-    return run / LOG
+    return run / RunFolder.LOG
 
 
 def _events(log: Path) -> list[tuple[str, int, bytes]]:
     with Recording(log) as recording:
-        return [(one.channel, one.utime, one.data) for one in recording.events() if one.channel != ABOUT]
+        return [(one.channel, one.utime, one.data) for one in recording.events() if one.channel != About.CHANNEL]

@@ -17,7 +17,7 @@ from testbed.processes import await_file, end, group_url
 from testbed.terminal import HAS_TMUX, Terminal
 
 from graphnav import Recording
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 from .screen_reading import has_picture, screen_picture, shown_rates
@@ -114,7 +114,7 @@ class _Watched:
         command = shlex.join([str(GRAPHNAV), *words, "-o", str(self._folder / name)])
         shell = f"LCM_DEFAULT_URL={shlex.quote(self._url)} {command}; sleep 3600"
         terminal.start(f"sh -c {shlex.quote(shell)}", (100, 24))
-        await_file(self._folder / name / LOG)
+        await_file(self._folder / name / RunFolder.LOG)
 
     def _rates_when_steady(self, name: str) -> dict[str, tuple[float | None, float | None]]:
         """Return, for each channel, the rate on the screen and that of the stamps that lcm-logger heard in 10 s."""
@@ -157,7 +157,7 @@ class _Watched:
         """Compare the rates on the screen with those of each run's own log, else with what lcm-logger heard."""
         said, good = [], True
         for name, rates in runs.items():
-            with Recording(self._folder / name / LOG) as recording:
+            with Recording(self._folder / name / RunFolder.LOG) as recording:
                 logged = {channel: _rate(recording.utimes(channel)) for channel in recording.channels}
             missing = logged.keys() - rates.keys()
             by_log = [_error(rates[channel][0], rate) for channel, rate in logged.items() if rate and not missing]

@@ -17,7 +17,7 @@ from testbed.drives import GRAPHNAV
 from testbed.rig import Rig, summary_of
 
 from graphnav import Recording, Status
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 NUMBER = 216
@@ -112,7 +112,7 @@ def test_stopped_sender(targets: Targets, seeds: range, tmp_path: Path) -> None:
             drive.suspend(rng, look=k % 5 == 0)
         stops = drive.kill()
     summary = summary_of(tmp_path / "navigation-0")
-    with Recording(tmp_path / "navigation-0" / LOG) as log:
+    with Recording(tmp_path / "navigation-0" / RunFolder.LOG) as log:
         statuses = [one for _, _, one in log.messages("graphnav.status") if isinstance(one, Status)]
     recorded = sum(any(output["fault"] for output in one.outputs) for one in statuses)
     looked = len(range(0, n, 5))

@@ -14,7 +14,7 @@ from testbed.commands import CommandListener
 from testbed.rig import Rig
 
 from graphnav import GuardState, Recording
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 NUMBER = 219
@@ -73,7 +73,7 @@ def test_takeovers(targets: Targets, seeds: range, tmp_path: Path) -> None:
             found = [_take_over(cameras, commands, k % 2) for k in range(TAKEOVERS)]
             rig.robot.terminate()
             _, summary = rig.finish()
-    with Recording(tmp_path / "navigation-0" / LOG) as log:
+    with Recording(tmp_path / "navigation-0" / RunFolder.LOG) as log:
         states = [m for _, _, m in log.messages("guard.state") if isinstance(m, GuardState)]
     faults = sum(is_fault for is_fault, _ in groupby("fault" in state.causes for state in states))
     (camera,) = (one for one in summary["live"]["inputs"] if one["channel"] == "CAMERA")

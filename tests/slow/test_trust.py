@@ -22,7 +22,8 @@ from testbed.drives import GRAPHNAV
 from testbed.processes import group_url
 
 from graphnav.core.cli import commands
-from graphnav.core.record import LOG, Recording
+from graphnav.core.record import Recording
+from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
 PLUGIN = """
@@ -158,7 +159,7 @@ def plant(folder: Path, port: int, heard: list[int]) -> Planted:
         _done([str(GRAPHNAV), "run", "own/mine.yaml", *QUIET, "-o", run], folder)
     _done([str(GRAPHNAV), "ablate", "own/mine.yaml", *VARY, "-o", "study"], folder)
     for run in ("changed", "added"):
-        with Recording(folder / run / LOG) as recording:
+        with Recording(folder / run / RunFolder.LOG) as recording:
             if not recording.lacks("painter.image"):
                 raise AssertionError(f"the log of {run} lacks no messages")
     (folder / "changed" / "plugins" / "mine.py").write_text(evil["changed run"], encoding="utf-8")

@@ -12,7 +12,7 @@ import pytest
 
 import graphnav
 from graphnav.core.api.arguments import check_choice, check_integer, path_of, texts_of
-from graphnav.core.api.parameters import OF_RUN, RECORD
+from graphnav.core.api.parameters import Shared
 from graphnav.core.cli import command_called, commands
 from graphnav.core.errors import UserError
 from graphnav.core.parameters import Integer, OneOf, Parameter, command, documented, flag, former, many
@@ -20,7 +20,7 @@ from graphnav.core.spec import RecordOption
 from graphnav.develop.parameters import CLOCK, FUNCTIONS
 from graphnav.studies.parameters import OF_FUNCTIONS
 
-SHARED = {parameter.name: parameter for parameter in (*OF_RUN, CLOCK, FUNCTIONS)}
+SHARED = {parameter.name: parameter for parameter in (*Shared.OF_RUN, CLOCK, FUNCTIONS)}
 OF_STUDIES = SHARED | {parameter.name: parameter for parameter in OF_FUNCTIONS}
 FUNCTIONS_OF: dict[Callable[..., object], dict[str, Parameter]] = {
     **dict.fromkeys((graphnav.run, graphnav.load, graphnav.check, graphnav.draw, graphnav.profile), SHARED),
@@ -127,7 +127,7 @@ def test_a_function_has_the_declared_defaults(function: Callable[..., object]) -
 
 
 def test_a_record_option_of_a_graph_is_one_of_the_command_line() -> None:
-    assert set(RECORD.choices or ()) == set(get_args(RecordOption))
+    assert set(Shared.RECORD.choices or ()) == set(get_args(RecordOption))
 
 
 def every_parameter(name: str) -> Iterator[Parameter]:

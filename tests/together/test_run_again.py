@@ -10,7 +10,8 @@ import pytest
 
 from graphnav import Recording
 from graphnav.core.cli import main
-from graphnav.core.record import ABOUT, LOG
+from graphnav.core.messages import About
+from graphnav.core.run_folder import RunFolder
 
 SOURCE = """
 import numpy as np
@@ -37,8 +38,8 @@ QUIET = ["--no-tap", "--no-pictures"]
 
 def said_in(folder: Path) -> list[tuple[str, int, bytes]]:
     """Return everything in a run's log but how it describes itself."""
-    with Recording(folder / LOG) as log:
-        return [(event.channel, event.utime, event.data) for event in log.events() if event.channel != ABOUT]
+    with Recording(folder / RunFolder.LOG) as log:
+        return [(event.channel, event.utime, event.data) for event in log.events() if event.channel != About.CHANNEL]
 
 
 @pytest.fixture
@@ -69,7 +70,7 @@ def test_it_gives_the_same_log(graph: Path, tmp_path: Path, monkeypatch: pytest.
     first = said_in(tmp_path / "moved")
     assert {channel for channel, _, _ in first} == {"dice.twist", "coin.twist"}
     assert said_in(tmp_path / "second") == said_in(tmp_path / "third") == first
-    logs = [(tmp_path / name / LOG).read_bytes() for name in ("second", "third")]
+    logs = [(tmp_path / name / RunFolder.LOG).read_bytes() for name in ("second", "third")]
     assert logs[0] == logs[1]
 
 
@@ -90,8 +91,8 @@ def test_what_the_log_says_of_itself_is_the_same_wherever_the_files_are(tmp_path
     shutil.copytree(tmp_path / "mine", tmp_path / "elsewhere" / "mine")
     assert main(["run", str(graph), *QUIET, "-o", "here"]) == 0
     assert main(["run", "elsewhere/mine/graph.yaml", *QUIET, "-o", "there"]) == 0
-    assert Path("here", LOG).read_bytes() == Path("there", LOG).read_bytes()
-    with Recording(Path("here", LOG)) as log:
+    assert Path("here", RunFolder.LOG).read_bytes() == Path("there", RunFolder.LOG).read_bytes()
+    with Recording(Path("here", RunFolder.LOG)) as log:
         assert log.about is not None
         assert "plugins: [one.py]\n" in log.about.graph_yaml
         assert str(tmp_path) not in log.about.graph_yaml
@@ -112,7 +113,7 @@ def test_a_plugin_that_is_gone_before_the_run_begins_is_a_users_error(tmp_path: 
     plugin = tmp_path / "lib" / "one.py"
     plugin.write_text(f"import os\n{SOURCE}\nos.remove(__file__)\n")
     assert main(["run", str(graph), *QUIET, "-o", "out"]) == 2
-    assert not (tmp_path / "out" / LOG).exists()
+    assert not (tmp_path / "out" / RunFolder.LOG).exists()
 
 
 def test_runs_of_a_study_run_again(graph: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

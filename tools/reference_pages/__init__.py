@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from reference_pages.commands import commands_page
+from reference_pages.doors import architecture_page
 from reference_pages.formats import format_page
 from reference_pages.graphs import graphs_page
 from reference_pages.messages import messages_page
@@ -19,5 +20,6 @@ PAGES: Mapping[str, Callable[[], str]] = {
     "messages.md": messages_page,
     "commands.md": commands_page,
     "python.md": python_page,
+    "../../ARCHITECTURE.md": architecture_page,
 }
 """By path in ``docs/reference``."""

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from graphnav.core.api.parameters import SET
+from graphnav.core.api.parameters import Shared
 from graphnav.core.errors import Place, UserError
 from graphnav.core.graph import Override, Target
 from graphnav.core.parameters import Integer, Parameter
@@ -103,11 +103,11 @@ def overrides_of(values: object) -> tuple[Override, ...]:
     if values is None:
         return ()
     if not isinstance(values, Mapping):
-        raise wrong_type("set", values, "a mapping", SET.hint)
+        raise wrong_type("set", values, "a mapping", Shared.SET.hint)
     found = []
     for target, value in values.items():
         if not isinstance(target, str) or not target or "=" in target:
-            raise UserError.of(f"set: {target!r} is not a stage, a parameter or a wire", SET.hint)
+            raise UserError.of(f"set: {target!r} is not a stage, a parameter or a wire", Shared.SET.hint)
         place = Place(f"set[{target!r}]")
         found.append(Override(Target.parse(target, place), yaml_value(value, place.file), place))
     return tuple(found)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from graphnav.core.api.arguments import PathLike
 from graphnav.core.api.load import loaded
-from graphnav.core.api.parameters import LOADED
+from graphnav.core.api.parameters import Shared
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph
 from graphnav.core.parameters import documented
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _COLOURS = ("cyan", "magenta", "green", "yellow", "blue", "red", "bright_cyan", "bright_magenta", "bright_green")
 
 
-@documented(*LOADED)
+@documented(*Shared.LOADED)
 def draw(
     graph: PathLike | Graph,
     *,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.core.api.arguments import PathLike, overrides_of, path_of, paths_of, plain
-from graphnav.core.api.parameters import GRAPH, LOADED, PLUGINS
+from graphnav.core.api.parameters import Shared
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import ParamError, Problem, UserError
 from graphnav.core.graph import Graph, Override, RunOptions, load_graph
@@ -17,7 +17,7 @@ from graphnav.core.stage import params_of
 from graphnav.core.trust import Trust
 
 
-@documented(*LOADED)
+@documented(*Shared.LOADED)
 def load(
     graph: PathLike | Graph,
     *,
@@ -37,7 +37,7 @@ def load(
     return checked
 
 
-@documented(*LOADED)
+@documented(*Shared.LOADED)
 def check(
     graph: PathLike | Graph,
     *,
@@ -55,10 +55,10 @@ def check(
     UserError
         An argument has a wrong type.
     """
-    overrides, files = overrides_of(set), paths_of(plugins, PLUGINS)
+    overrides, files = overrides_of(set), paths_of(plugins, Shared.PLUGINS)
     if isinstance(graph, Graph):
         _refuse_changes(overrides, files)
-    name = None if isinstance(graph, Graph) else path_of(graph, GRAPH)
+    name = None if isinstance(graph, Graph) else path_of(graph, Shared.GRAPH)
     try:
         found = (
             graph
@@ -84,11 +84,11 @@ def loaded(
     UserError
         All errors of the graph.
     """
-    overrides, files = overrides_of(sets), paths_of(plugins, PLUGINS)
+    overrides, files = overrides_of(sets), paths_of(plugins, Shared.PLUGINS)
     if isinstance(graph, Graph):
         _refuse_changes(overrides, files)
         return graph
-    name = path_of(graph, GRAPH)
+    name = path_of(graph, Shared.GRAPH)
     return load_with(add_plugins(catalog, files), str(name), overrides, files)
 
 

@@ -13,15 +13,15 @@ from graphnav.core.api.execute import execute, runs_live
 from graphnav.core.api.finished_run import Run
 from graphnav.core.api.load import add_plugins, loaded, with_run_options
 from graphnav.core.api.notices import tell
-from graphnav.core.api.parameters import LIVE_URL, OF_RUN, PACE, TAP, TapMode
-from graphnav.core.api.result_folder import new_folder
+from graphnav.core.api.parameters import Shared, TapMode
+from graphnav.core.api.result_folder import KeptFolder
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph
 from graphnav.core.lcm_url import live_url
 from graphnav.core.parameters import documented
-from graphnav.core.record import LOG
 from graphnav.core.report.pictures import draw_all
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.full_log import FullLog
 from graphnav.core.runner.recording.run_recorded import new_run_id
@@ -33,7 +33,7 @@ _drawing = threading.Lock()
 """Matplotlib's settings are global: runs in several threads draw one after another."""
 
 
-@documented(*OF_RUN)
+@documented(*Shared.OF_RUN)
 def run(
     graph: PathLike | Graph,
     *,
@@ -71,9 +71,9 @@ def run(
     GraphnavError
         A file cannot be written.
     """
-    check_number(pace, PACE)
-    check_choice(tap, TAP)
-    check_text(url, LIVE_URL)
+    check_number(pace, Shared.PACE)
+    check_choice(tap, Shared.TAP)
+    check_text(url, Shared.LIVE_URL)
     catalog = Catalog(Trust(runs_all=True))
     checked = with_run_options(
         loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s, "record": record}
@@ -100,7 +100,7 @@ def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *
     if is_live:
         live_url(graph, mode.url, "url")
     stages = graph.make_stages()
-    kept = new_folder(folder)
+    kept = KeptFolder.new(folder)
     errors: list[GraphnavError] = []
     run_id = new_run_id()
     with FullLog() as full:
@@ -128,7 +128,7 @@ def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *
 def _draw(catalog: Catalog, graph: Graph, folder: Path, full: FullLog) -> Sequence[Path]:
     """Return the pictures of a run; log those that cannot be drawn as notices."""
     try:
-        with _drawing, full.recording(folder / LOG, tell) as recording:
+        with _drawing, full.recording(folder / RunFolder.LOG, tell) as recording:
             return draw_all(add_plugins(catalog, graph.plugins), recording, folder)
     except GraphnavError as error:
         tell(f"not drawn: {error}")

@@ -1,68 +1,24 @@
 # What the rest of graphnav takes of this folder, each imported on first use.
 
 from .command_line import COMMANDS, command_called, commands, main
-from .foreground_keyboard import open_keyboard
 from .opened_log import damage_told, opened
-from .options import (
-    CHANNEL,
-    CHANNELS,
-    FEED,
-    FOR_S,
-    FROM_S,
-    GROUP,
-    JSON,
-    LOG,
-    MAX_MESSAGES,
-    PORTABLE,
-    RUN_OR_LOG,
-    TO_S,
-    TYPES,
-    URL,
-    VERBOSE,
-    FailureReport,
-    catalog_of,
-    channel_and_feed,
-    channels_of,
-    load,
-    load_types_of,
-    notices_of,
-    overrides_of,
-    url_of,
-)
+from .options import FailureReport, Options, catalog_of, load, load_types_of, notices_of, overrides_of, url_of
 from .progress import progress_bar
-from .quantities import MAX_FACTOR, channel_name, counted, log_time, period, port_number, positive, size, split
-from .status import FAILED, INTERRUPTED, OK
-from .status_line import StatusLine, rewrite_line
+from .quantities import MAX_FACTOR, channel_name, counted, positive
+from .status import Exit
+from .status_line import StatusLine
 from .trust import trust_of
 from .type_names import listed_types, short_type, type_called
 
 __all__ = [
-    "CHANNEL",
-    "CHANNELS",
     "COMMANDS",
-    "FAILED",
-    "FEED",
-    "FOR_S",
-    "FROM_S",
-    "GROUP",
-    "INTERRUPTED",
-    "JSON",
-    "LOG",
     "MAX_FACTOR",
-    "MAX_MESSAGES",
-    "OK",
-    "PORTABLE",
-    "RUN_OR_LOG",
-    "TO_S",
-    "TYPES",
-    "URL",
-    "VERBOSE",
+    "Exit",
     "FailureReport",
+    "Options",
     "StatusLine",
     "catalog_of",
-    "channel_and_feed",
     "channel_name",
-    "channels_of",
     "command_called",
     "commands",
     "counted",
@@ -70,20 +26,13 @@ __all__ = [
     "listed_types",
     "load",
     "load_types_of",
-    "log_time",
     "main",
     "notices_of",
-    "open_keyboard",
     "opened",
     "overrides_of",
-    "period",
-    "port_number",
     "positive",
     "progress_bar",
-    "rewrite_line",
     "short_type",
-    "size",
-    "split",
     "trust_of",
     "type_called",
     "url_of",

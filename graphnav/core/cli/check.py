@@ -7,9 +7,9 @@ import sys
 from collections.abc import Sized
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import GRAPH, PLUGINS, SET, TRUST
-from graphnav.core.cli.options import VERBOSE, load, notices_of
-from graphnav.core.cli.status import FAILED, OK
+from graphnav.core.api.parameters import Shared
+from graphnav.core.cli.options import Options, load, notices_of
+from graphnav.core.cli.status import Exit
 from graphnav.core.errors import Place, Problem, UserError
 from graphnav.core.parameters import command, flag
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 @command(
-    GRAPH.but(nargs="+"),
-    SET,
-    PLUGINS,
-    TRUST,
-    VERBOSE.but(help="print the swaps that its own files make, and the traceback of what a plugin raises"),
+    Shared.GRAPH.but(nargs="+"),
+    Shared.SET,
+    Shared.PLUGINS,
+    Shared.TRUST,
+    Options.VERBOSE.but(help="print the swaps that its own files make, and the traceback of what a plugin raises"),
     flag(
         "resolved",
         "--resolved",
@@ -39,7 +39,7 @@ def main(args: argparse.Namespace) -> int:
     if args.resolved and len(args.graph) > 1:
         raise UserError.of("--resolved prints one graph", "name one", Place("--resolved"))
     problems: dict[Problem, None] = {}
-    status = OK
+    status: int = Exit.OK
     for name in args.graph:
         try:
             _, graph = load(args, name, partial=not args.resolved)
@@ -59,7 +59,7 @@ def _print(graph: Graph, args: argparse.Namespace) -> int:
         from graphnav.core.graph import resolved_yaml
 
         sys.stdout.write(resolved_yaml(graph, portable_paths=False))
-        return OK
+        return Exit.OK
     from graphnav.core.machine.console import Console
 
     console = Console(highlight=False, soft_wrap=True)
@@ -83,9 +83,9 @@ def _print(graph: Graph, args: argparse.Namespace) -> int:
         unknown = ", ".join(node.name for node in graph.nodes if node.is_left_out)
         left_out = f" ({unknown})" if unknown else ""
         console.print(f"{graph.path.name} is fine, except what was left out{left_out}: {counts}", markup=False)
-        return FAILED
+        return Exit.FAILED
     console.print(f"{graph.path.name} is fine: {counts}", markup=False)
-    return OK
+    return Exit.OK
 
 
 def _outside(graph: Graph) -> str:

@@ -13,7 +13,7 @@ from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
 from graphnav.core.cli.lasting_output import ReaderLeftError, lasting_output
-from graphnav.core.cli.status import FAILED, INTERRUPTED, OK, PIPE_CLOSED, USER_ERROR
+from graphnav.core.cli.status import Exit
 from graphnav.core.interrupts import CtrlC, ctrl_c_not_lost, end_at_interrupt, raise_at_interrupt
 from graphnav.core.machine.escaped_streams import escaped_output
 from graphnav.core.machine.pins import unpin
@@ -206,27 +206,27 @@ def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> i
                 end_at_interrupt()
     except UserError as error:
         _print_problems(error, args)
-        return USER_ERROR
+        return Exit.USER_ERROR
     except ParamError as error:
         print(error, file=sys.stderr)
-        return USER_ERROR
+        return Exit.USER_ERROR
     except GraphnavError as error:
         print(error, file=sys.stderr)
-        return FAILED
+        return Exit.FAILED
     except KeyboardInterrupt:
         print("stopped", file=sys.stderr)
-        return INTERRUPTED
+        return Exit.INTERRUPTED
     except ReaderLeftError:
-        return PIPE_CLOSED
+        return Exit.PIPE_CLOSED
     except OSError as error:
         where = f": {error.filename}" if error.filename else ""
         print(f"stopped: {error.strerror or error}{where}", file=sys.stderr)
-        return FAILED
+        return Exit.FAILED
     except Exception as error:
         if n_raised == CtrlC.n_raised and not _is_after_ctrl_c(error):
             raise
         print("stopped", file=sys.stderr)
-        return INTERRUPTED
+        return Exit.INTERRUPTED
     return status
 
 
@@ -242,7 +242,7 @@ def _parsed(words: list[str], chosen: str | None) -> argparse.Namespace:
 
     def print_help(_: argparse.Namespace) -> int:
         parser.print_help()
-        return OK
+        return Exit.OK
 
     parser.set_defaults(main=print_help)
     return parser.parse_args(words)

@@ -6,15 +6,15 @@ import argparse
 import sys
 from pathlib import Path
 
-from graphnav.core.api.parameters import LOADED
+from graphnav.core.api.parameters import Shared
 from graphnav.core.cli.options import load
-from graphnav.core.cli.status import OK
+from graphnav.core.cli.status import Exit
 from graphnav.core.errors import UserError
 from graphnav.core.parameters import Parameter, command
 
 
 @command(
-    *LOADED,
+    *Shared.LOADED,
     Parameter(
         "format",
         "--format",
@@ -34,13 +34,13 @@ def main(args: argparse.Namespace) -> int:
         from graphnav.core.machine.console import Console
 
         Console(highlight=False, soft_wrap=True).print(drawing)
-        return OK
+        return Exit.OK
     written: str = getattr(drawing, args.format)
     if args.file is None:
         sys.stdout.write(written)
-        return OK
+        return Exit.OK
     try:
         args.file.write_text(written, encoding="utf-8")
     except OSError as error:
         raise UserError.of(f"cannot write {args.file}: {error.strerror}", "choose another file with -o") from error
-    return OK
+    return Exit.OK

@@ -9,21 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.api.parameters import (
-    FOLDER,
-    GRAPH,
-    LIVE,
-    LIVE_URL,
-    PACE,
-    PLUGINS,
-    RECORD,
-    SEED,
-    SET,
-    TAP,
-    UNTIL_S,
-)
-from graphnav.core.cli.options import JSON, PORTABLE, VERBOSE, FailureReport, load, notices_of
-from graphnav.core.cli.status import FAILED, INTERRUPTED, OK
+from graphnav.core.api.parameters import Shared
+from graphnav.core.cli.options import FailureReport, Options, load, notices_of
+from graphnav.core.cli.status import Exit
 from graphnav.core.errors import DrawingError, shown_name
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, seconds
@@ -38,17 +26,17 @@ if TYPE_CHECKING:
 
 
 @command(
-    GRAPH,
-    SET,
-    PLUGINS,
-    SEED,
-    UNTIL_S,
-    PORTABLE,
-    PACE,
-    LIVE,
-    LIVE_URL,
-    FOLDER,
-    TAP.but(default="thin"),
+    Shared.GRAPH,
+    Shared.SET,
+    Shared.PLUGINS,
+    Shared.SEED,
+    Shared.UNTIL_S,
+    Options.PORTABLE,
+    Shared.PACE,
+    Shared.LIVE,
+    Shared.LIVE_URL,
+    Shared.FOLDER,
+    Shared.TAP.but(default="thin"),
     Parameter("tap", "--no-tap", action="store_const", const="none", help="the same as --tap none"),
     Parameter(
         "stall_s",
@@ -57,11 +45,11 @@ if TYPE_CHECKING:
         metavar="S",
         help="end the run if one call into a stage takes longer than S seconds of wall time (default: never)",
     ),
-    RECORD,
+    Shared.RECORD,
     flag("video", "--video", "also draw video.mp4"),
     flag("no_pictures", "--no-pictures", "do not draw pictures; 'graphnav figure' can draw them later"),
-    JSON.but(help="print the summary as JSON instead of text"),
-    VERBOSE.but(help="print every metric, what each stage did, and the traceback of a failure"),
+    Options.JSON.but(help="print the summary as JSON instead of text"),
+    Options.VERBOSE.but(help="print every metric, what each stage did, and the traceback of a failure"),
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
@@ -70,9 +58,9 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.machine.console import Console
     from graphnav.core.report.folder import make_run_folder, removed_if_empty
     from graphnav.core.report.summary_text import print_summary
+    from graphnav.core.run_folder import RunFolder
     from graphnav.core.runner.recording.full_log import FullLog
     from graphnav.core.runner.recording.run_recorded import new_run_id
-    from graphnav.core.runner.recording.summary import SUMMARY
     from graphnav.core.tap import open_tap
 
     catalog, graph = load(args, runs=True)
@@ -94,41 +82,42 @@ def main(args: argparse.Namespace) -> int:
         else:
             print_summary(console, summary, graph.metrics, is_verbose=args.verbose)
             if not args.verbose:
-                console.print(f"all metrics and the times of the stages: -v, or {SUMMARY}", style="dim", markup=False)
+                console.print(
+                    f"all metrics and the times of the stages: -v, or {RunFolder.SUMMARY}", style="dim", markup=False
+                )
         if summary.failure:
             report.print(summary.failure)
         files = _draw(args, catalog, summary, folder, full)
     console.print(_listing(folder, files, console.width if console.is_terminal else None), markup=False)
-    return {"failed": FAILED, "stopped": INTERRUPTED}.get(summary.outcome, OK)
+    return {"failed": Exit.FAILED, "stopped": Exit.INTERRUPTED}.get(summary.outcome, Exit.OK)
 
 
 def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
     """Draw the pictures of a run; return the files of its folder as they are listed, logs with their sizes."""
     from graphnav.core.record.log_paths import parts_of
     from graphnav.core.report.pictures import draw_all
-    from graphnav.core.run_folder import GRAPH, LOG
+    from graphnav.core.run_folder import RunFolder
     from graphnav.core.runner.recording.log_forecast import size_text
-    from graphnav.core.runner.recording.summary import SUMMARY
 
-    files, pictures = [LOG, GRAPH, SUMMARY], list[str]()
+    files, pictures = [RunFolder.LOG, RunFolder.GRAPH, RunFolder.SUMMARY], list[str]()
     wants_pictures = bool(summary.frames) and not args.no_pictures
     if summary.outcome == "stopped" and wants_pictures:
         print(f"no pictures were drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
     elif wants_pictures:
         try:
-            with full.recording(folder / LOG, print_notice) as recording:
+            with full.recording(folder / RunFolder.LOG, print_notice) as recording:
                 pictures = [path.name for path in draw_all(catalog, recording, folder, video=args.video)]
         except DrawingError as error:
             report = FailureReport(args)
             report(error)
             report.print(f"not drawn: {error}")
-            files += [path.name for path in parts_of(folder / LOG)]
+            files += [path.name for path in parts_of(folder / RunFolder.LOG)]
             pictures = sorted(p.name for p in folder.iterdir() if p.is_file() and p.name not in files)
         except KeyboardInterrupt:
             print(f"some pictures were not drawn; to draw them, run: graphnav figure {folder}", file=sys.stderr)
             raise
-    logs = [f"{path.name} ({size_text(path.stat().st_size)})" for path in parts_of(folder / LOG)]
-    return [*logs, GRAPH, SUMMARY, *pictures]
+    logs = [f"{path.name} ({size_text(path.stat().st_size)})" for path in parts_of(folder / RunFolder.LOG)]
+    return [*logs, RunFolder.GRAPH, RunFolder.SUMMARY, *pictures]
 
 
 def _listing(folder: Path, files: list[str], width: int | None) -> str:

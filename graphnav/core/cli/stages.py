@@ -8,9 +8,9 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.api.parameters import PLUGINS
-from graphnav.core.cli.options import JSON, catalog_of
-from graphnav.core.cli.status import OK
+from graphnav.core.api.parameters import Shared
+from graphnav.core.cli.options import Options, catalog_of
+from graphnav.core.cli.status import Exit
 from graphnav.core.errors import shown_name
 from graphnav.core.parameters import Parameter, command
 
@@ -33,8 +33,8 @@ _MIN_COLS_OF_PORTS = 110
         help="a stage (plane.ica), a family (plane), or a message (LocalMap): what writes and reads it; default: all",
         offers="stages",
     ),
-    JSON.but(help="print JSON instead of tables"),
-    PLUGINS,
+    Options.JSON.but(help="print JSON instead of tables"),
+    Shared.PLUGINS,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
@@ -45,14 +45,14 @@ def main(args: argparse.Namespace) -> int:
     console = Console(highlight=False)
     if args.name and "." not in args.name and args.name not in catalog.families():
         _print_ports(args, console, catalog, _message_called(args.name, catalog))
-        return OK
+        return Exit.OK
     if args.name and args.name not in catalog.families():
         described = describe(args.name, catalog.stage(args.name), catalog.origin(args.name))
         if args.json:
             print(json.dumps(described, indent=2))
         else:
             _print_one(console, described)
-        return OK
+        return Exit.OK
     uses = _uses(catalog, [args.name] if args.name else list(catalog.families()), all_must_load=bool(args.name))
     if args.json:
         print(json.dumps([describe(use, catalog.stage(use), catalog.origin(use)) for use in uses], indent=2))
@@ -61,7 +61,7 @@ def main(args: argparse.Namespace) -> int:
 
         console.print(folded(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS)))
         console.print("details: graphnav stages NAME", markup=False)
-    return OK
+    return Exit.OK
 
 
 def _message_called(name: str, catalog: Catalog) -> type[Message]:

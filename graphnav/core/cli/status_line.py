@@ -20,7 +20,7 @@ class StatusLine:
     def show(self, line: str) -> None:
         """Replace the line; it is truncated to the terminal's width."""
         if self._is_shown:
-            rewrite_line(line)
+            self.rewrite(line)
 
     def clear(self) -> None:
         """Remove the line."""
@@ -34,10 +34,10 @@ class StatusLine:
     ) -> None:
         self.clear()
 
-
-def rewrite_line(line: str) -> None:
-    """Replace the current line of standard output, a terminal; truncated to its width."""
-    terminal = unescaped(sys.stdout)
-    columns = shutil.get_terminal_size().columns
-    terminal.write(f"\r\x1b[K{shown_name(line)[: columns - 1]}")
-    terminal.flush()
+    @staticmethod
+    def rewrite(line: str) -> None:
+        """Replace the current line of standard output, a terminal; truncated to its width."""
+        terminal = unescaped(sys.stdout)
+        columns = shutil.get_terminal_size().columns
+        terminal.write(f"\r\x1b[K{shown_name(line)[: columns - 1]}")
+        terminal.flush()

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli.status import OK
+from graphnav.core.cli.status import Exit
 from graphnav.core.errors import GraphnavError, UserError, shown_name, shown_path
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
-    from graphnav.core.trust import Request, forget, remember, trusted_folders
+    from graphnav.core.trust import Request, forget, trusted_folders
 
     if args.folder is None:
         if args.revoke:
             raise UserError.of("--revoke needs a folder", "graphnav trust lists those that are trusted")
         for folder in trusted_folders():
             print(shown_name(folder))
-        return OK
+        return Exit.OK
     folder = args.folder.resolve()
     is_known, name = str(folder) in trusted_folders(), shown_name(str(folder))
     if args.revoke:
@@ -44,14 +44,14 @@ def main(args: argparse.Namespace) -> int:
         why = forget(folder)
         done = f"no longer trusted: {name}; a plugin file that a graph in it names runs only after you were asked"
     elif folder.is_dir():
-        why = remember(Request(folder, ()))
+        why = Request(folder, ()).remember()
         done = f"{'already ' * is_known}trusted: {name}; plugin files that graphs in it name run without a question"
     else:
         raise UserError.of(f"{args.folder} is not a folder", "name the folder of a graph")
     if why:
         raise GraphnavError(f"the list of trusted folders is unchanged: {why}")
     print(done)
-    return OK
+    return Exit.OK
 
 
 def trust_of(args: argparse.Namespace, *, runs_all: bool = False) -> Trust:

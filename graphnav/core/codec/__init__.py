@@ -16,13 +16,14 @@ from graphnav.core.codec.known_types import (
     type_named,
     type_of,
 )
-from graphnav.core.codec.layout import Field, fields_of, fingerprint, lcm_name
+from graphnav.core.codec.layout import Dim, Field, fields_of, fingerprint, lcm_name
 from graphnav.core.codec.message_fields import check_fields
 
 __all__ = [
     "SHIPPED",
     "Codec",
     "DecodeError",
+    "Dim",
     "EncodeError",
     "Field",
     "add_given_types",

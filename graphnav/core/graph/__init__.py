@@ -4,8 +4,7 @@ from graphnav.core.graph.find import find_graph, shipped_folder, shipped_graphs,
 from graphnav.core.graph.graph import Graph
 from graphnav.core.graph.load import graph_of, load_graph, outline_of_file
 from graphnav.core.graph.node import Channel, Input, InputChannel, Node, OutputChannel
-from graphnav.core.graph.overrides.option_text import parse_override, parse_overrides, parse_value
-from graphnav.core.graph.overrides.override import Override, without_replaced
+from graphnav.core.graph.overrides.override import Override, parse_value, without_replaced
 from graphnav.core.graph.overrides.target import Target
 from graphnav.core.graph.paths import beside, has_path, resolve_paths
 from graphnav.core.graph.resolved import resolved_yaml
@@ -34,8 +33,6 @@ __all__ = [
     "has_path",
     "load_graph",
     "outline_of_file",
-    "parse_override",
-    "parse_overrides",
     "parse_value",
     "resolve_paths",
     "resolved_yaml",

@@ -29,53 +29,51 @@ _MAX_BYTES = 4096
 _ECHOES_UNKNOWN_QUERIES = {"linux", "dumb", ""}
 _MULTIPLEXERS = {"TMUX": "tmux", "STY": "screen"}
 
-CellSize = tuple[int, int]
-"""Rows and columns of pixels of a cell."""
-
 
 @dataclass(frozen=True)
 class TerminalGraphics:
     """The graphics protocols that a terminal confirms: kitty and sixel.
 
-    ``n_colours``: colour registers for sixels. ``cell_px``: None if unknown. ``failure``: why nothing better than half
-    blocks is available, empty if the terminal answered.
+    ``n_colours``: colour registers for sixels. ``cell_px``: rows and columns of pixels of a cell, None if unknown.
+    ``failure``: why nothing better than half blocks is available, empty if the terminal answered.
     """
 
     kitty: bool = False
     sixel: bool = False
     n_colours: int = 256
-    cell_px: CellSize | None = None
+    cell_px: tuple[int, int] | None = None
     failure: str = ""
 
+    @staticmethod
+    def query() -> TerminalGraphics | None:
+        """Query the terminal; None unless standard input and output are a terminal with this program in the foreground.
 
-def query_terminal() -> TerminalGraphics | None:
-    """Query the terminal; None unless standard input and output are a terminal with this program in the foreground.
+        Takes half a second if the terminal does not answer. Keys typed in the meantime are lost. tmux and screen are
+        not queried: what they pass through depends on their version and on every attached terminal.
+        """
+        stdin, stdout = sys.__stdin__, sys.__stdout__
+        if stdin is None or stdout is None or not (_is_foreground_terminal(stdin) and _is_foreground_terminal(stdout)):
+            return None
+        if os.environ.get("TERM", "") in _ECHOES_UNKNOWN_QUERIES:
+            return TerminalGraphics()
+        for variable, name in _MULTIPLEXERS.items():
+            if os.environ.get(variable):
+                return TerminalGraphics(failure=f"not queried inside {name}")
+        try:
+            return _query(stdin.fileno(), stdout.fileno())
+        except (OSError, termios.error) as error:
+            return TerminalGraphics(failure=f"the terminal cannot be queried: {error}")
 
-    Takes half a second if the terminal does not answer. Keys typed in the meantime are lost. tmux and screen are not
-    queried: what they pass through depends on their version and on every attached terminal.
-    """
-    stdin, stdout = sys.__stdin__, sys.__stdout__
-    if stdin is None or stdout is None or not (_is_foreground_terminal(stdin) and _is_foreground_terminal(stdout)):
-        return None
-    if os.environ.get("TERM", "") in _ECHOES_UNKNOWN_QUERIES:
-        return TerminalGraphics()
-    for variable, name in _MULTIPLEXERS.items():
-        if os.environ.get(variable):
-            return TerminalGraphics(failure=f"not queried inside {name}")
-    try:
-        return _query(stdin.fileno(), stdout.fileno())
-    except (OSError, termios.error) as error:
-        return TerminalGraphics(failure=f"the terminal cannot be queried: {error}")
-
-
-def cell_size_px() -> CellSize | None:
-    """Return the rows and columns of pixels of a cell, None if the kernel does not know them."""
-    try:
-        answer = fcntl.ioctl(sys.__stdout__, termios.TIOCGWINSZ, bytes(8))  # type: ignore[arg-type]
-    except (OSError, TypeError, ValueError):
-        return None
-    rows, cols, width_px, height_px = struct.unpack("HHHH", answer)
-    return (height_px // rows, width_px // cols) if rows and cols and height_px >= rows and width_px >= cols else None
+    @staticmethod
+    def cell_size_px() -> tuple[int, int] | None:
+        """Return the rows and columns of pixels of a cell, None if the kernel does not know them."""
+        try:
+            answer = fcntl.ioctl(sys.__stdout__, termios.TIOCGWINSZ, bytes(8))  # type: ignore[arg-type]
+        except (OSError, TypeError, ValueError):
+            return None
+        rows, cols, width_px, height_px = struct.unpack("HHHH", answer)
+        is_known = rows and cols and height_px >= rows and width_px >= cols
+        return (height_px // rows, width_px // cols) if is_known else None
 
 
 def _is_foreground_terminal(stream: object) -> bool:

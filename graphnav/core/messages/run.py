@@ -1,8 +1,8 @@
-"""Messages about a run, on the reserved channels ``graphnav.about``, ``.status`` and ``.fired``."""
+"""Messages about a run, each on a reserved channel."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import graphnav_lcm
 
@@ -16,6 +16,7 @@ class About(Message, lcm=graphnav_lcm.about_t):
     ``types``: ``package.type_t`` for each of ``channels``. ``run_id`` is empty in a log.
     """
 
+    CHANNEL: ClassVar[str] = "graphnav.about"
     graph_yaml: str
     lcm_text: str
     run_id: str
@@ -32,6 +33,7 @@ class Status(Message, lcm=graphnav_lcm.status_t):
     ``stage_status_t``, ``input_status_t``, ``output_status_t`` and ``edge_status_t``.
     """
 
+    CHANNEL: ClassVar[str] = "graphnav.status"
     run_id: str
     graph: str
     live: bool
@@ -54,6 +56,7 @@ class Gap(Message, lcm=graphnav_lcm.gap_t):
     ``n_messages`` are missing; ``reason``: why they could not be written.
     """
 
+    CHANNEL: ClassVar[str] = "graphnav.gap"
     from_us: int
     n_messages: int
     reason: str
@@ -68,6 +71,7 @@ class Fired(Message, lcm=graphnav_lcm.fired_t):
     sampled input its age and fault.
     """
 
+    CHANNEL: ClassVar[str] = "graphnav.fired"
     fired_us: int
     stage: str
     age_s: float

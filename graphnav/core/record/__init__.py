@@ -5,20 +5,15 @@ from graphnav.core.record.channel_account import ChannelAccount, ChannelCounts, 
 from graphnav.core.record.channel_filter import ChannelFilter
 from graphnav.core.record.event import Damaged, Event, TruncatedEvent
 from graphnav.core.record.log_cursor import LogCursor
-from graphnav.core.record.log_files import LogFiles
+from graphnav.core.record.log_files import LogFiles, Split
 from graphnav.core.record.log_paths import files_of, find_log, parts_of
 from graphnav.core.record.message_window import Periods, Window, silent_after_s
-from graphnav.core.record.recording import ABOUT, SMALL_BYTES, Head, Recording
-from graphnav.core.record.threaded_writer import GAP, LogGap, ThreadedLogWriter
+from graphnav.core.record.recording import Head, Recording
+from graphnav.core.record.threaded_writer import LogGap, ThreadedLogWriter
 from graphnav.core.record.timeline import Timeline
 from graphnav.core.record.writer import LogWriter
-from graphnav.core.run_folder import LOG
 
 __all__ = [
-    "ABOUT",
-    "GAP",
-    "LOG",
-    "SMALL_BYTES",
     "AboutFirst",
     "ChannelAccount",
     "ChannelCounts",
@@ -35,6 +30,7 @@ __all__ = [
     "LogWriter",
     "Periods",
     "Recording",
+    "Split",
     "ThreadedLogWriter",
     "Timeline",
     "TruncatedEvent",

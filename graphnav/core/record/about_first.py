@@ -9,7 +9,6 @@ from dataclasses import replace
 from graphnav.core.codec import DecodeError, decode, encode, fingerprint
 from graphnav.core.messages import About
 from graphnav.core.record.event import Event
-from graphnav.core.record.recording import ABOUT
 from graphnav.core.record.threaded_writer import Log
 
 WAIT_S = 1.2
@@ -20,7 +19,7 @@ _ABOUT = fingerprint(About.lcm_class)
 
 def is_about(channel: str, data: bytes) -> bool:
     """Whether a message describes a run."""
-    return channel == ABOUT and data[:8] == _ABOUT
+    return channel == About.CHANNEL and data[:8] == _ABOUT
 
 
 class AboutFirst:
@@ -98,7 +97,7 @@ class AboutFirst:
         if self._definitions and held and not is_about(held[0].channel, held[0].data):
             self._n_added = 1
             empty = About(graph_yaml="", lcm_text=self._definitions, run_id="", seed=0, channels=(), types=())
-            self._log.write(ABOUT, held[0].utime, encode(empty, held[0].utime, 0))
+            self._log.write(About.CHANNEL, held[0].utime, encode(empty, held[0].utime, 0))
         for event in held:
             self._log.write(*event)
 

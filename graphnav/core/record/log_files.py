@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.core.errors import LogError
+from graphnav.core.messages import About
 from graphnav.core.record.about_first import is_about
 from graphnav.core.record.event import HEADER
 from graphnav.core.record.log_paths import numbered
-from graphnav.core.record.recording import ABOUT
 from graphnav.core.record.writer import LogWriter
 
 _CHECK_S = 0.5
@@ -138,7 +138,7 @@ class LogFiles:
     def _copy_about(self, utime: int) -> None:
         """Begin a file with the description of the run."""
         self._n_copies = 1
-        self._log.write(ABOUT, utime, self._about)
+        self._log.write(About.CHANNEL, utime, self._about)
 
     def _remove_oldest(self, n_kept: int) -> None:
         while len(self.paths) > n_kept:

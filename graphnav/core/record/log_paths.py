@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from graphnav.core.errors import UserError
-from graphnav.core.run_folder import LOG
+from graphnav.core.run_folder import RunFolder
 
 
 def find_log(path: Path, hint: str = "name a run folder or a log") -> Path:
@@ -17,9 +17,9 @@ def find_log(path: Path, hint: str = "name a run folder or a log") -> Path:
     UserError
         The log does not exist; the error's hint is ``hint``.
     """
-    log = path / LOG if path.is_dir() else path
+    log = path / RunFolder.LOG if path.is_dir() else path
     if not log.is_file():
-        raise UserError.of(f"{path} holds no {LOG}" if path.is_dir() else f"there is no {path}", hint)
+        raise UserError.of(f"{path} holds no {RunFolder.LOG}" if path.is_dir() else f"there is no {path}", hint)
     return log
 
 
@@ -37,5 +37,5 @@ def files_of(path: Path) -> list[Path]:
 
 def parts_of(log: Path) -> list[Path]:
     """Return the files of a log, oldest first: that of a run may be ``run.lcmlog``, ``run.0001.lcmlog`` and so on."""
-    first, *others = [numbered(log, 0), *files_of(log)] if log.name == LOG else [log]
+    first, *others = [numbered(log, 0), *files_of(log)] if log.name == RunFolder.LOG else [log]
     return [log] if first in others else [log, *others]

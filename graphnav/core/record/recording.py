@@ -29,16 +29,11 @@ from graphnav.core.record.index import Index
 from graphnav.core.record.log_paths import parts_of
 from graphnav.core.record.scan import scan
 from graphnav.core.record.timeline import Timeline
-from graphnav.core.run_folder import LOG
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.spec import option_in, parse_yaml
 
 M = TypeVar("M", bound=Message)
 
-ABOUT = "graphnav.about"
-"""The channel of the first event, which describes the log."""
-
-SMALL_BYTES = 4096
-"""Messages below this are kept by every log, whatever it leaves out."""
 
 _RESERVED = "graphnav."
 _FINGERPRINT_BYTES = 8
@@ -70,6 +65,9 @@ class Recording:
 
     Raises LogError if the file cannot be read or is not a log.
     """
+
+    SMALL_BYTES = 4096
+    """Messages below this are kept by every log, whatever it leaves out."""
 
     def __init__(self, path: Path | str, content: Path | int | None = None) -> None:
         self.path = Path(path)
@@ -105,7 +103,7 @@ class Recording:
             elif isinstance(entry, Damaged):
                 self.damaged.append(Damaged(begin + entry.at, entry.n_bytes))
             else:
-                if not is_copy or entry.channel != ABOUT:
+                if not is_copy or entry.channel != About.CHANNEL:
                     self._index.add(entry._replace(start=begin + entry.start, stop=begin + entry.stop))
                 is_copy = False
 
@@ -122,21 +120,23 @@ class Recording:
 
     def _abouts(self) -> Iterator[About]:
         """Yield what ``graphnav.about`` says; what cannot be read is left out."""
-        for index in range(self.count(ABOUT)):
+        for index in range(self.count(About.CHANNEL)):
             with suppress(LogError):
-                yield self._decoded(ABOUT, index, About)[2]
+                yield self._decoded(About.CHANNEL, index, About)[2]
 
     @cached_property
     def graph(self) -> dict[str, Any]:
         """The resolved graph that produced the log; raises LogError if the log does not hold it."""
         if self.about is None:
-            raise LogError(f"{self.path} does not hold the graph that produced it: no readable event on '{ABOUT}'")
+            raise LogError(
+                f"{self.path} does not hold the graph that produced it: no readable event on '{About.CHANNEL}'"
+            )
         try:
             graph = parse_yaml(self.about.graph_yaml.encode(), str(self.path))[0].plain()
         except UserError:
             graph = None
         if not isinstance(graph, dict):
-            raise LogError(f"{self.path}: its '{ABOUT}' holds no graph")
+            raise LogError(f"{self.path}: its '{About.CHANNEL}' holds no graph")
         return graph
 
     @cached_property
@@ -164,7 +164,7 @@ class Recording:
     @property
     def completion_hint(self) -> str:
         """How to write the log with what it leaves out; an empty string if it `leaves_out` nothing."""
-        log = self.path.parent if self.path.name == LOG else self.path
+        log = self.path.parent if self.path.name == RunFolder.LOG else self.path
         return (
             f"write the complete log: graphnav replay {shown_name(str(log))} -o full.lcmlog" if self.leaves_out else ""
         )
@@ -178,7 +178,7 @@ class Recording:
             return False
         numbers = self._index.channels.get(channel, ())
         sizes = (self._index[number] for number in numbers)
-        n_large = sum(entry.stop - entry.start >= SMALL_BYTES for entry in sizes)
+        n_large = sum(entry.stop - entry.start >= Recording.SMALL_BYTES for entry in sizes)
         lcm_class = self.channels.get(channel)
         is_small = not n_large and lcm_class is not None and _has_fixed_size(lcm_class)
         return n_large < 2 and not is_small  # a second large one is kept only where all are

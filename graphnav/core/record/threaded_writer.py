@@ -15,9 +15,6 @@ from graphnav.core.errors import LogError
 from graphnav.core.messages import Gap
 from graphnav.core.record.writer import LogWriter
 
-GAP = "graphnav.gap"
-"""The channel on which a log says that messages are missing."""
-
 _MAX_QUEUED_BYTES = 64 << 20
 _EVENT_BYTES = 200
 """Approximate memory overhead of a queued event."""
@@ -83,9 +80,9 @@ class ThreadedLogWriter:
     """A log behind a bounded queue.
 
     An event that does not fit into the queue of ``max_bytes`` is dropped and counted. If the disk refuses an event (it
-    is full), events are dropped and counted, and the disk is tried again once a second; once it has room, a `Gap` on
-    `GAP` says what is missing, and the recording goes on. Any other error ends the recording, and so does a disk that
-    still refuses when the log is closed: ``failure`` says so. The log up to an error is complete. ``notice`` is called
+    is full), events are dropped and counted, and the disk is tried again once a second; once it has room, a `Gap`
+    says what is missing, and the recording goes on. Any other error ends the recording, and so does a disk that still
+    refuses when the log is closed: ``failure`` says so. The log up to an error is complete. ``notice`` is called
     from another thread when events begin to be missing, when they are recorded again, and when the recording ends.
     ``open_log`` opens the log.
 
@@ -242,7 +239,7 @@ class ThreadedLogWriter:
         try:
             self._log.resume(0 if self._is_closing else _ROOM_BYTES)
             told = Gap(from_us=gap.from_us, n_messages=gap.n_messages, reason=pause.reason)
-            self._log.write(GAP, utime, encode(told, utime, len(self.gaps)))
+            self._log.write(Gap.CHANNEL, utime, encode(told, utime, len(self.gaps)))
             self._log.flush()
         except (LogError, OSError):
             return False

@@ -9,7 +9,8 @@ from pathlib import Path
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import GraphnavError
 from graphnav.core.pictures import DRAWING_FAMILY, drawing
-from graphnav.core.record import LOG, Recording
+from graphnav.core.record import Recording
+from graphnav.core.run_folder import RunFolder
 
 PNG = ".png"
 
@@ -77,7 +78,7 @@ def _drawing_into(catalog: Catalog, recording: Recording, folder: Path) -> Itera
             yield
     except OSError as error:
         log = recording.path
-        run = log.parent if log.name == LOG else log
+        run = log.parent if log.name == RunFolder.LOG else log
         elsewhere = f" -o {folder}" if folder != log.parent else ""
         raise GraphnavError(
             f"cannot draw into {folder}: {error.strerror}\n  free space, then run: graphnav figure {run}{elsewhere}"

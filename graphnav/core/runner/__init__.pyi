@@ -2,33 +2,28 @@
 
 from .durations import Durations
 from .engine import Decode, Encode, Engine, Fire, Outcome, Sink, Spans, seed_of
-from .firing import FIRED, Taken, Used, encoded_firing
+from .firing import Taken, Used, encoded_firing
 from .join import MAX_UNMATCHED, MatchedSet
-from .live_inbox import MAX_GATHERED, LiveInbox
+from .live_inbox import LiveInbox
 from .lockstep import Lockstep, command_channels, fire, fire_complete
 from .lockstep_inbox import LockstepInbox
 from .recording.failures import Failures
 from .recording.kept_messages import ChannelsExcept, complete_channels, kept, open_log, reproducible_channels
 from .recording.live_about import live_about
 from .recording.log_forecast import size_text
-from .recording.progress_file import is_running, last_call
+from .recording.progress_file import ProgressFile
 from .recording.recorded_run import Measured, RecordedRun
 from .recording.run_recorded import LiveSink, about_of, new_run_id, run_recorded
 from .recording.saved_graph import copies_of, save_graph
 from .recording.stall import StallLimit
-from .recording.summary import INSTRUCTION_SET, SUMMARY, Summary, scores_of, versions
+from .recording.summary import Summary
 from .stage_calls import StageCalls
-from .status import STATUS, Rates, memory_mb, stage_statuses
-from .timer import Timer, every
+from .status import Rates, memory_mb
+from .timer import Timer
 from .unit import Publish, Unit
 
 __all__ = [
-    "FIRED",
-    "INSTRUCTION_SET",
-    "MAX_GATHERED",
     "MAX_UNMATCHED",
-    "STATUS",
-    "SUMMARY",
     "ChannelsExcept",
     "Decode",
     "Durations",
@@ -43,6 +38,7 @@ __all__ = [
     "MatchedSet",
     "Measured",
     "Outcome",
+    "ProgressFile",
     "Publish",
     "Rates",
     "RecordedRun",
@@ -60,12 +56,9 @@ __all__ = [
     "complete_channels",
     "copies_of",
     "encoded_firing",
-    "every",
     "fire",
     "fire_complete",
-    "is_running",
     "kept",
-    "last_call",
     "live_about",
     "memory_mb",
     "new_run_id",
@@ -73,9 +66,6 @@ __all__ = [
     "reproducible_channels",
     "run_recorded",
     "save_graph",
-    "scores_of",
     "seed_of",
     "size_text",
-    "stage_statuses",
-    "versions",
 ]

@@ -10,9 +10,6 @@ import numpy as np
 from graphnav.core.codec import encode
 from graphnav.core.messages import Fired
 
-FIRED = "graphnav.fired"
-"""Log channel of the firings of a live run, in their order, soon after the messages that they published."""
-
 
 class Used(NamedTuple):
     """A message that a stage stepped with.

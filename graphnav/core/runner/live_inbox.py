@@ -13,15 +13,15 @@ from graphnav.core.runner.firing import Taken, Used
 from graphnav.core.runner.join import MAX_UNMATCHED, Held, Join, MatchedSet
 from graphnav.core.stage import Latest, Port, Since
 
-MAX_GATHERED = 4096
-"""Maximum number of messages of a `Since` input; a sender of 1 kHz fills it in 4 s."""
-
 
 class LiveInbox:
     """Holds the messages of a stage, and tells which set of its plain inputs it may fire with.
 
     ``fault_of``: returns the fault in the stamps of the input that feeds a channel, by reference; empty if none.
     """
+
+    MAX_GATHERED = 4096
+    """Maximum number of messages of a `Since` input; a sender of 1 kHz fills it in 4 s."""
 
     def __init__(
         self, node: Node, queues: Mapping[str, int | None], fault_of: Callable[[str, float], str] = lambda *_: ""
@@ -41,7 +41,7 @@ class LiveInbox:
         self._newest: dict[str, tuple[Message, float, Used]] = {}
         self._latest = [i.port.name for i in node.inputs if i.port.latest]
         self._gathered: dict[str, deque[tuple[Message, Used]]] = {
-            i.port.name: deque(maxlen=MAX_GATHERED) for i in node.inputs if i.port.since
+            i.port.name: deque(maxlen=LiveInbox.MAX_GATHERED) for i in node.inputs if i.port.since
         }
         self._reached: dict[str, int] = {}
         self._channel_of = {i.port.name: i.channel.ref for i in node.inputs if i.channel is not None}

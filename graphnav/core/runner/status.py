@@ -15,8 +15,6 @@ from graphnav.core.messages import Status
 from graphnav.core.runner.engine import Engine, Sink
 from graphnav.core.runner.unit import Unit
 
-STATUS = "graphnav.status"
-"""The channel on which a run publishes its status once a second."""
 _PERIOD_S = 1.0
 _PAGE_MB = os.sysconf("SC_PAGE_SIZE") / 1e6
 
@@ -33,23 +31,22 @@ class Rates:
         self._counts[name] = count
         return grown
 
-
-def stage_statuses(units: Mapping[str, Unit[Any]], rates: Rates, elapsed_s: float) -> tuple[dict[str, Any], ...]:
-    """Return the fields of ``stage_status_t`` for every stage; rates are averages over ``elapsed_s``."""
-    return tuple(
-        {
-            "name": name,
-            "use": unit.node.use,
-            "steps": unit.durations.count,
-            "rate_hz": rates.since(name, unit.durations.count) / elapsed_s,
-            "p50_ms": unit.durations.quantile_s(0.5) * 1e3,
-            "p99_ms": unit.durations.quantile_s(0.99) * 1e3,
-            "deadline_ms": unit.node.deadline_ms or 0.0,
-            "missed": unit.missed,
-            "overtaken": unit.inbox.dropped,
-        }
-        for name, unit in units.items()
-    )
+    def stage_statuses(self, units: Mapping[str, Unit[Any]], elapsed_s: float) -> tuple[dict[str, Any], ...]:
+        """Return the fields of ``stage_status_t`` for every stage; rates are averages over ``elapsed_s``."""
+        return tuple(
+            {
+                "name": name,
+                "use": unit.node.use,
+                "steps": unit.durations.count,
+                "rate_hz": self.since(name, unit.durations.count) / elapsed_s,
+                "p50_ms": unit.durations.quantile_s(0.5) * 1e3,
+                "p99_ms": unit.durations.quantile_s(0.99) * 1e3,
+                "deadline_ms": unit.node.deadline_ms or 0.0,
+                "missed": unit.missed,
+                "overtaken": unit.inbox.dropped,
+            }
+            for name, unit in units.items()
+        )
 
 
 def memory_mb() -> float:
@@ -87,10 +84,10 @@ class LockstepStatus:
             tap_dropped=self._dropped(),
             log_dropped=0,
             log_fault="",
-            stages=stage_statuses(self._engine.units, self._rates, elapsed_s),
+            stages=self._rates.stage_statuses(self._engine.units, elapsed_s),
             inputs=(),
             outputs=(),
             edges=(),
         )
-        self._tap.write(STATUS, utime, encode(status, utime, self._count))
+        self._tap.write(Status.CHANNEL, utime, encode(status, utime, self._count))
         self._count += 1

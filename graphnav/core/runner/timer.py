@@ -35,7 +35,7 @@ class Timer:
     def _at_s(self, firing: int) -> float:
         return self._start_s + self._after_s(firing)
 
-
-def every(period_s: float) -> Callable[[int], float]:
-    """Return the times of a timer with a constant period."""
-    return lambda firing: firing * period_s
+    @staticmethod
+    def every(period_s: float) -> Callable[[int], float]:
+        """Return the times of a timer with a constant period."""
+        return lambda firing: firing * period_s

@@ -2,8 +2,6 @@
 
 from .definitions import definition_files, definition_text
 from .describe import describe_type, nested_types, summary_of_type
-from .jar import types_jar
-from .java import write_java
 from .lcm_files import file_of_lcm
 from .named_types import load_types
 
@@ -15,6 +13,4 @@ __all__ = [
     "load_types",
     "nested_types",
     "summary_of_type",
-    "types_jar",
-    "write_java",
 ]

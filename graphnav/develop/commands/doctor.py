@@ -7,15 +7,15 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from graphnav.core.api import GRAPH, PLUGINS, SET, TRUST
-from graphnav.core.cli import FAILED, JSON, OK, load
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, load
 from graphnav.core.parameters import command
 
 if TYPE_CHECKING:
     from graphnav.develop.doctor import Finding
 
 
-@command(GRAPH.but(nargs="?"), SET, PLUGINS, TRUST, JSON)
+@command(Shared.GRAPH.but(nargs="?"), Shared.SET, Shared.PLUGINS, Shared.TRUST, Options.JSON)
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 where something needed is lacking.
 
@@ -31,7 +31,7 @@ def main(args: argparse.Namespace) -> int:
             _print(finding)
     if args.json:
         print(json.dumps([asdict(finding) for finding in findings], indent=2))
-    return FAILED if any(finding.needed and not finding.fine for finding in findings) else OK
+    return Exit.FAILED if any(finding.needed and not finding.fine for finding in findings) else Exit.OK
 
 
 def _print(finding: Finding) -> None:

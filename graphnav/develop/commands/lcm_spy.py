@@ -6,18 +6,19 @@ import argparse
 import os
 import sys
 
-from graphnav.core.cli import GROUP, TYPES, catalog_of, load_types_of
+from graphnav.core.cli import Options, catalog_of, load_types_of
 from graphnav.core.parameters import command
 
 
-@command(GROUP, *TYPES)
+@command(Options.GROUP, *Options.TYPES)
 def main(args: argparse.Namespace) -> int:
     """Run the command: build the jar of all types unless it is cached, then replace this process by lcm-spy."""
     from graphnav import UserError
     from graphnav.core.cli import listed_types
     from graphnav.core.lcm_url import lcm_url
-    from graphnav.core.machine import require_jdk
-    from graphnav.core.typeinfo import file_of_lcm, types_jar
+    from graphnav.core.typeinfo import file_of_lcm
+    from graphnav.develop.jdk import require_jdk
+    from graphnav.develop.types_jar import types_jar
 
     url = lcm_url(("URL", args.url))
     require_jdk()

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from graphnav import UserError
-from graphnav.core.cli import OK
+from graphnav.core.cli import Exit
 from graphnav.core.parameters import Parameter, command
 
 
@@ -60,4 +60,4 @@ def main(args: argparse.Namespace) -> int:
     except OSError as error:
         raise UserError.of(f"cannot write into {args.folder}: {error.strerror}", "choose another with -o") from error
     print("\n".join(hints(args.family, args.name, *texts)))
-    return OK
+    return Exit.OK

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import UserError
-from graphnav.core.api import FOLDER, LOADED, SEED, TAP, UNTIL_S
-from graphnav.core.cli import FAILED, INTERRUPTED, JSON, OK, PORTABLE, VERBOSE, FailureReport, load, notices_of
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, FailureReport, Options, load, notices_of
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag
 from graphnav.develop.parameters import CLOCK
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 
 @command(
-    *LOADED,
-    SEED,
-    UNTIL_S,
-    PORTABLE,
-    TAP.but(help="also measure copies for viewers on this machine (default: %(default)s)"),
+    *Shared.LOADED,
+    Shared.SEED,
+    Shared.UNTIL_S,
+    Options.PORTABLE,
+    Shared.TAP.but(help="also measure copies for viewers on this machine (default: %(default)s)"),
     CLOCK,
     Parameter(
         "flame",
@@ -38,10 +38,10 @@ if TYPE_CHECKING:
         metavar="FILE.svg",
         help="draw a flame graph; with pyinstrument installed also of the functions inside of the steps",
     ),
-    FOLDER.but(help="keep the run folder, new or empty (default: temporary)"),
+    Shared.FOLDER.but(help="keep the run folder, new or empty (default: temporary)"),
     flag("sort", "--sort", "stages and channels that take longest first (default: in firing order)"),
-    JSON,
-    VERBOSE,
+    Options.JSON,
+    Options.VERBOSE,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
@@ -63,7 +63,7 @@ def main(args: argparse.Namespace) -> int:
             profile = _measure(args, graph, stages, folder, report)
     except NothingMeasuredError as error:
         report.print(str(error))
-        return INTERRUPTED if error.outcome == "stopped" else FAILED
+        return Exit.INTERRUPTED if error.outcome == "stopped" else Exit.FAILED
     if args.json:
         print(json.dumps(profile.as_json()))
     else:
@@ -74,7 +74,7 @@ def main(args: argparse.Namespace) -> int:
         report.print(profile.failure)
     if profile.outcome == "stopped":
         print("stopped; these are the times up to there", file=sys.stderr)
-    return {"failed": FAILED, "stopped": INTERRUPTED}.get(profile.outcome, OK)
+    return {"failed": Exit.FAILED, "stopped": Exit.INTERRUPTED}.get(profile.outcome, Exit.OK)
 
 
 def _measure(

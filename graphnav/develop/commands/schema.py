@@ -7,8 +7,8 @@ import json
 from typing import Any
 
 from graphnav import Place, UserError, did_you_mean
-from graphnav.core.api import PLUGINS
-from graphnav.core.cli import OK, catalog_of
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, catalog_of
 from graphnav.core.parameters import Parameter, command
 
 
@@ -20,7 +20,7 @@ from graphnav.core.parameters import Parameter, command
         metavar="FORMAT",
         help="graph (default), study, map, or another format that a plugin reads",
     ),
-    PLUGINS,
+    Shared.PLUGINS,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
@@ -41,4 +41,4 @@ def main(args: argparse.Namespace) -> int:
             raise UserError.of(f"there is no file format '{args.of}'", hint, Place("--of"))
         schema = formats[args.of].schema()
     print(json.dumps(schema, indent=2))
-    return OK
+    return Exit.OK

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.cli import JSON, OK, TYPES, catalog_of, load_types_of
+from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
 from graphnav.core.parameters import OneOf, Parameter, command, flag
 
 if TYPE_CHECKING:
@@ -32,14 +32,14 @@ examples:
     ),
     OneOf(
         (
-            JSON.but(help="print JSON instead of tables"),
+            Options.JSON.but(help="print JSON instead of tables"),
             flag("lcm", "--lcm", "print the definition, and those of all nested types"),
             Parameter(
                 "java", "--java", type=Path, metavar="DIR", help="write Java sources and a jar for lcm-spy into DIR"
             ),
         )
     ),
-    *TYPES,
+    *Options.TYPES,
     examples=_EXAMPLES,
 )
 def main(args: argparse.Namespace) -> int:
@@ -66,7 +66,7 @@ def main(args: argparse.Namespace) -> int:
 
         console.print(folded(_all(found)))
         console.print("'graphnav types NAME' describes one.", markup=False)
-    return OK
+    return Exit.OK
 
 
 def _all(found: dict[str, type]) -> Table:
@@ -103,7 +103,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
 
 
 def _write_java(lcm_classes: list[type], folder: Path) -> None:
-    from graphnav.core.typeinfo import write_java
+    from graphnav.develop.java import write_java
 
     made = write_java(lcm_classes, folder)
     print(f"{len(made.sources)} sources below {folder}")

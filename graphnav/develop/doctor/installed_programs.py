@@ -7,8 +7,8 @@ from importlib.metadata import PackageNotFoundError, requires, version
 
 from packaging.requirements import Requirement
 
-from graphnav.core.machine import find_jdk, install_jdk
 from graphnav.develop.doctor.finding import Finding
+from graphnav.develop.jdk import find_jdk, install_jdk
 
 _TIMEOUT_S = 20.0
 

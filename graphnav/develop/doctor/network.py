@@ -7,17 +7,10 @@ from collections.abc import Iterator
 from urllib.parse import urlsplit
 
 from graphnav import Graph, GraphnavError, UserError
-from graphnav.core.bus import GROUP, MAKE_ROUTE, Bus, requested_buffer, with_defaults
+from graphnav.core.bus import Bus
 from graphnav.core.errors import BusError, NoRouteError
 from graphnav.core.lcm_url import live_url, tap_url
-from graphnav.core.machine import (
-    RECEIVE_BUFFER_BYTES,
-    ReceiveBuffer,
-    buffer_limit,
-    larger_buffer,
-    needed_buffer,
-    try_receive_buffer,
-)
+from graphnav.core.machine import ReceiveBuffer
 from graphnav.core.runner import size_text
 from graphnav.develop.doctor.finding import Finding
 from graphnav.develop.doctor.message_sizes import MessageSize, message_sizes
@@ -33,12 +26,12 @@ def multicast() -> Finding:
         url = tap_url()
     except UserError as error:
         problem = error.problems[0]
-        fix = MAKE_ROUTE if isinstance(error.__cause__, NoRouteError) else str(problem.hint)
+        fix = Bus.MAKE_ROUTE if isinstance(error.__cause__, NoRouteError) else str(problem.hint)
         where = f"{problem.place}: " if problem.place else ""
         return Finding("multicast", fine=False, seen=where + problem.what, fix=fix)
     if not _comes_back(f"udpm://{urlsplit(url).hostname}:{_PROBE_PORT}?ttl=0"):
         seen = f"there is a route to {url}, but a test message did not come back"
-        return Finding("multicast", fine=False, seen=seen, fix=MAKE_ROUTE)
+        return Finding("multicast", fine=False, seen=seen, fix=Bus.MAKE_ROUTE)
     return Finding("multicast", fine=True, seen="a test message came back: runs can be watched")
 
 
@@ -65,10 +58,10 @@ def receive_buffer(graph: Graph | None) -> Iterator[Finding]:
     What graphnav itself sends leaves with gaps, so that every buffer holds it; without a graph the finding is an extra.
     """
     url = _url(graph)
-    asked_bytes = requested_buffer(url)
+    asked_bytes = Bus.requested_buffer(url)
     try:
-        limit = buffer_limit()
-        buffer = try_receive_buffer(asked_bytes)
+        limit = ReceiveBuffer.limit()
+        buffer = ReceiveBuffer.measured(asked_bytes)
     except OSError as error:
         yield Finding(_SUBJECT, fine=False, seen=f"cannot be measured: {error}")
         return
@@ -77,7 +70,7 @@ def receive_buffer(graph: Graph | None) -> Iterator[Finding]:
         f"{asked_bytes} of {url.partition('?')[0]} (net.core.rmem_max is {limit})"
     )
     if graph is None:
-        fix = str(larger_buffer(asked_bytes, RECEIVE_BUFFER_BYTES))
+        fix = str(ReceiveBuffer.larger(asked_bytes, ReceiveBuffer.REQUESTED_BYTES))
         yield Finding(_SUBJECT, fine=not fix, seen=holds, fix=fix, needed=False)
         return
     try:
@@ -93,14 +86,14 @@ def _url(graph: Graph | None) -> str:
     try:
         return live_url(graph, None) if graph is not None and graph.is_live else tap_url()
     except UserError:  # `multicast` reports it
-        return with_defaults(GROUP)
+        return Bus.with_defaults(Bus.GROUP)
 
 
 def _compared(graph: Graph, sizes: list[MessageSize], buffer: ReceiveBuffer, asked_bytes: int, holds: str) -> Finding:
     name = graph.path.stem
     lost = [size for size in sizes if size.is_received and size.n_bytes > buffer.held_bytes]
     if lost:
-        fix = str(larger_buffer(asked_bytes, needed_buffer(lost[0].n_bytes)))
+        fix = str(ReceiveBuffer.larger(asked_bytes, ReceiveBuffer.needed(lost[0].n_bytes)))
         seen = f"{holds}; {name} loses {', '.join(map(_text, lost))}"
         return Finding(_SUBJECT, fine=False, seen=seen, fix=fix)
     if received := [size for size in sizes if size.is_received]:

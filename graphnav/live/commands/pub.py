@@ -4,19 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from graphnav.core.cli import (
-    CHANNEL,
-    FOR_S,
-    MAX_MESSAGES,
-    OK,
-    TYPES,
-    URL,
-    catalog_of,
-    channel_name,
-    load_types_of,
-    positive,
-    url_of,
-)
+from graphnav.core.cli import Exit, Options, catalog_of, channel_name, load_types_of, positive, url_of
 from graphnav.core.parameters import Parameter, command
 
 _EXAMPLES = """\
@@ -30,7 +18,7 @@ FIELDS is YAML; omitted fields are zero or empty. utime is the current time and 
 
 
 @command(
-    CHANNEL.but(type=channel_name, help="the LCM channel"),
+    Options.CHANNEL.but(type=channel_name, help="the LCM channel"),
     Parameter(
         "type",
         metavar="TYPE",
@@ -39,10 +27,10 @@ FIELDS is YAML; omitted fields are zero or empty. utime is the current time and 
     ),
     Parameter("fields", metavar="FIELDS", nargs="?", default="", help="the fields (default: all zero)"),
     Parameter("rate", "--rate", type=positive, metavar="HZ", help="publish repeatedly (default: once)"),
-    MAX_MESSAGES.but(help="end after N messages; needs --rate"),
-    FOR_S.but(help="end after S seconds (default: Ctrl-C); needs --rate"),
-    URL,
-    *TYPES,
+    Options.MAX_MESSAGES.but(help="end after N messages; needs --rate"),
+    Options.FOR_S.but(help="end after S seconds (default: Ctrl-C); needs --rate"),
+    Options.URL,
+    *Options.TYPES,
     examples=_EXAMPLES,
 )
 def main(args: argparse.Namespace) -> int:
@@ -51,7 +39,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.bus import Bus
     from graphnav.core.cli import type_called
     from graphnav.core.codec import codec_of, lcm_name
-    from graphnav.core.fields import described, summarised
+    from graphnav.core.field_summary import described, summarised
     from graphnav.live.publish import Publisher, parse_fields, repeat
 
     if args.rate is None and (args.count or args.for_s):
@@ -77,4 +65,4 @@ def main(args: argparse.Namespace) -> int:
         bus.close()
         if args.rate is not None:
             print(f"{publisher.count} messages published")
-    return OK
+    return Exit.OK

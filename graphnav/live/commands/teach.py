@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from graphnav import UserError
-from graphnav.core.api import GRAPH, LIVE, LIVE_URL, PLUGINS, SEED, SET, UNTIL_S
-from graphnav.core.cli import FAILED, INTERRUPTED, MAX_FACTOR, OK, PORTABLE, VERBOSE, FailureReport, load
+from graphnav.core.api import Shared
+from graphnav.core.cli import MAX_FACTOR, Exit, FailureReport, Options, load
 from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
@@ -35,15 +35,15 @@ def coverage(text: str) -> Coverage:
 
 
 @command(
-    GRAPH,
-    SET,
-    PLUGINS,
-    SEED,
-    UNTIL_S,
-    PORTABLE,
+    Shared.GRAPH,
+    Shared.SET,
+    Shared.PLUGINS,
+    Shared.SEED,
+    Shared.UNTIL_S,
+    Options.PORTABLE,
     Parameter("model", "-o", type=Path, required=True, metavar="FILE", help="the model (.lcmlog)"),
-    LIVE.but(help="teach in wall time; implied by a graph with inputs"),
-    LIVE_URL.but(help="LCM URL of live inputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)"),
+    Shared.LIVE.but(help="teach in wall time; implied by a graph with inputs"),
+    Shared.LIVE_URL.but(help="LCM URL of live inputs (default: the graph's, LCM_DEFAULT_URL, this machine's group)"),
     Parameter(
         "until_taught",
         "--until-taught",
@@ -52,7 +52,7 @@ def coverage(text: str) -> Coverage:
         help="live: end once speeds up to V m/s and turning rates up to W rad/s to both sides are taught",
     ),
     flag("force", "--force", "replace FILE if it exists"),
-    VERBOSE,
+    Options.VERBOSE,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command: save the last planar model published by the graph as a log of one message.
@@ -95,10 +95,10 @@ def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -
         )
     if summary.failure:
         report.print(summary.failure)
-        return FAILED
+        return Exit.FAILED
     if summary.outcome == Outcome.STOPPED:
         print(f"interrupted: teaching was not finished, and {args.model} is not written", file=sys.stderr)
-        return INTERRUPTED
+        return Exit.INTERRUPTED
     return _save(folder, channel, args.model, graph, taught)
 
 
@@ -128,7 +128,7 @@ def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespa
         )
     if summary.failure:
         report.print(summary.failure)
-        return FAILED
+        return Exit.FAILED
     return _save(folder, channel, args.model, graph, taught, (summary.live or {}).get("inputs", ()))
 
 
@@ -143,10 +143,11 @@ def _save(
     from graphnav.core.codec import encode
     from graphnav.core.machine import Console
     from graphnav.core.notices import print_notice
-    from graphnav.core.record import LOG, LogWriter
+    from graphnav.core.record import LogWriter
+    from graphnav.core.run_folder import RunFolder
     from graphnav.live.teaching import gaps, why_no_model
 
-    with Recording(folder / LOG) as recording:
+    with Recording(folder / RunFolder.LOG) as recording:
         if not recording.count(channel):
             raise UserError.of(f"{graph.path} did not publish a planar model", why_no_model(taught, inputs))
         utime, _, model = recording.message(channel, -1)
@@ -167,4 +168,4 @@ def _save(
     )
     for missing in gaps(taught):
         print_notice(f"{missing}: the model does not hold for such motions")
-    return OK
+    return Exit.OK

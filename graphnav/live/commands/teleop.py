@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from graphnav.core.cli import OK, URL, channel_name, positive, rewrite_line, url_of
+from graphnav.core.cli import Exit, Options, StatusLine, channel_name, positive, url_of
 from graphnav.core.parameters import Parameter, command, seconds
 
 _EXAMPLES = """\
@@ -45,7 +45,7 @@ published for a moment, then nothing, so that the override of a guard goes stale
         metavar="S",
         help="how long a key press lasts (default: %(default)s s)",
     ),
-    URL,
+    Options.URL,
     examples=_EXAMPLES,
 )
 def main(args: argparse.Namespace) -> int:
@@ -73,7 +73,7 @@ def main(args: argparse.Namespace) -> int:
     finally:
         bus.close()
         print()
-    return OK
+    return Exit.OK
 
 
 def _show(line: str) -> None:
@@ -81,4 +81,4 @@ def _show(line: str) -> None:
     if not sys.stdout.isatty():
         print(line, flush=True)
         return
-    rewrite_line(line)
+    StatusLine.rewrite(line)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from graphnav.core.bus import requested_buffer
+from graphnav.core.bus import Bus
 from graphnav.core.codec import fingerprint
 from graphnav.core.errors import shown_name
 from graphnav.core.large_messages import PACKET_BYTES
-from graphnav.core.machine import larger_buffer, needed_buffer
+from graphnav.core.machine import ReceiveBuffer
 from graphnav.core.runner import size_text
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
@@ -181,7 +181,7 @@ def _is_unheard_picture(intake: Intake) -> bool:
 
 
 def _remedy(url: str, message_bytes: int) -> str:
-    command, option = larger_buffer(requested_buffer(url), needed_buffer(message_bytes))
+    command, option = ReceiveBuffer.larger(Bus.requested_buffer(url), ReceiveBuffer.needed(message_bytes))
     steps = [f"run as root: {command}"] if command else []
     if option:
         steps.append(f"write {option} in the URL")

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from graphnav import Graph, GuardState, UserError
-from graphnav.core.bus import same_group
+from graphnav.core.bus import Bus
 from graphnav.core.graph import Node
 from graphnav.core.lcm_url import lcm_url
 from graphnav.live.live_schedule import LiveSchedule
@@ -131,7 +131,7 @@ def _remedy(graph: Graph, node: Node, url: str) -> str:
     if not deeds:
         return "\n  look, end the run, and start it again: its graph has no input by which an operator helps"
     try:
-        is_default = same_group(url, lcm_url())
+        is_default = Bus.same_group(url, lcm_url())
     except UserError:  # of LCM_DEFAULT_URL, where the run has a URL of its own
         is_default = False
     if not is_default:

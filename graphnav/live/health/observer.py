@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from graphnav import Status
 from graphnav.core.codec import encode
-from graphnav.core.runner import STATUS
 from graphnav.live.health.alarms import Alarms
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.guard_holds import GuardHolds
@@ -63,7 +63,7 @@ class Observer:
         lines = list(self._alarms.look(self.receiver))
         self.status = self._reporter.make()
         now = schedule.clock.now()
-        schedule.sink.write(STATUS, now, encode(self.status, now, schedule.engine.number(STATUS)))
+        schedule.sink.write(Status.CHANNEL, now, encode(self.status, now, schedule.engine.number(Status.CHANNEL)))
         for line in lines:
             self.tell(line)
         return True

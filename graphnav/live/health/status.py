@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from graphnav import Status
-from graphnav.core.runner import Rates, memory_mb, stage_statuses
+from graphnav.core.runner import Rates, memory_mb
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
@@ -71,7 +71,7 @@ class StatusReporter:
             tap_dropped=losses.tap_dropped,
             log_dropped=losses.log_dropped,
             log_fault=losses.log_fault,
-            stages=stage_statuses(self._schedule.engine.units, self._rates, elapsed_s),
+            stages=self._rates.stage_statuses(self._schedule.engine.units, elapsed_s),
             inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._schedule.intakes.values()),
             outputs=tuple(_output(one, self._traffic) for one in self._schedule.outlets.values()),
             edges=tuple({"name": edge, "overtaken": count} for edge, count in sorted(overtaken.items())),

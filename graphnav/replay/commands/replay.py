@@ -10,19 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import UserError
-from graphnav.core.api import PLUGINS, SET, TRUST
-from graphnav.core.cli import (
-    FAILED,
-    JSON,
-    OK,
-    PORTABLE,
-    RUN_OR_LOG,
-    VERBOSE,
-    FailureReport,
-    catalog_of,
-    notices_of,
-    overrides_of,
-)
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, FailureReport, Options, catalog_of, notices_of, overrides_of
 from graphnav.core.errors import LogError
 from graphnav.core.parameters import Parameter, command, flag, many
 
@@ -61,17 +50,17 @@ def _tolerance(text: str) -> Tolerance:
 
 
 @command(
-    RUN_OR_LOG,
-    PORTABLE,
+    Options.RUN_OR_LOG,
+    Options.PORTABLE,
     Parameter(
         "graph",
         "--graph",
         metavar="FILE",
         help="step this graph, with the seed of the log (default: the graph of the log)",
     ),
-    SET,
-    PLUGINS,
-    TRUST,
+    Shared.SET,
+    Shared.PLUGINS,
+    Shared.TRUST,
     many(
         "play",
         "--play",
@@ -97,8 +86,8 @@ def _tolerance(text: str) -> Tolerance:
         help="treat numbers as equal up to ABS + REL * |recorded| (default: 0, exact)",
     ),
     Parameter("out", "-o", type=Path, metavar="FILE", help="also write the log of the replay"),
-    JSON,
-    VERBOSE,
+    Options.JSON,
+    Options.VERBOSE,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command; the exit status is 1 if anything differs."""
@@ -139,7 +128,7 @@ def main(args: argparse.Namespace) -> int:
     else:
         console = Console(highlight=False, soft_wrap=True)
         console.print(as_text(result, console), soft_wrap=True)
-    return OK if result.is_equal else FAILED
+    return Exit.OK if result.is_equal else Exit.FAILED
 
 
 def _print_notices(made: LogGraph, play: list[str], *, verbose: bool) -> None:

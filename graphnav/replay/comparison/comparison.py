@@ -10,7 +10,6 @@ from typing import NamedTuple
 from graphnav import Recording
 from graphnav.core.codec import DecodeError, codec_of
 from graphnav.core.graph import Channel
-from graphnav.core.record import SMALL_BYTES
 from graphnav.replay.comparison.field_differences import Tolerance, field_differences
 from graphnav.replay.comparison.result import ChannelResult, FieldResult, FirstDifference
 from graphnav.replay.log.contents import Contents, Logged
@@ -129,7 +128,7 @@ class _ChannelComparison:
         """Count a message that is not in the log: it is extra, unless the log cannot hold it."""
         scope = self._scope
         is_after_end = now_us >= scope.last_us
-        is_left_out = (self._name not in scope.complete and n_bytes >= SMALL_BYTES) or not self._is_expected
+        is_left_out = (self._name not in scope.complete and n_bytes >= Recording.SMALL_BYTES) or not self._is_expected
         if is_after_end or is_left_out or self._fills_gap(utime):
             self.result.n_not_recorded += 1
             return

@@ -12,7 +12,7 @@ from graphnav import Recording, UserError
 from graphnav.core.codec import DecodeError, decode
 from graphnav.core.graph import Channel, Input
 from graphnav.core.messages import Fired
-from graphnav.core.runner import FIRED, Used
+from graphnav.core.runner import Used
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.plan import Plan
 
@@ -73,7 +73,7 @@ def read_firings(
             n_complete = min(n_complete, len(firings))
         firings.append(firing)
     if not firings:
-        what = f"{recording.path} does not hold the firings of the stages: no '{FIRED}'"
+        what = f"{recording.path} does not hold the firings of the stages: no '{Fired.CHANNEL}'"
         raise UserError.of(what, "record the live run with this version of graphnav, in its own log")
     if n_missing and not (contents.lost and n_complete):
         lines = [f"{name}: {count} of {reader.read[name]}" for name, count in n_missing.items()]
@@ -99,8 +99,8 @@ def read_firings(
 
 
 def _decoded(recording: Recording) -> Iterator[Firing]:
-    for index in range(recording.count(FIRED)):
-        event = recording.event(FIRED, index)
+    for index in range(recording.count(Fired.CHANNEL)):
+        event = recording.event(Fired.CHANNEL, index)
         try:
             utime, _, fired = decode(Fired, event.data)
         except DecodeError:

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from graphnav import About, Graph, Place, Recording, UserError, shown_path
+from graphnav import About, Graph, Place, Recording, Status, UserError, shown_path
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, decode
 from graphnav.core.graph import Override, Target, graph_of, load_graph
-from graphnav.core.record import ABOUT, LOG
-from graphnav.core.run_folder import GRAPH
-from graphnav.core.runner import STATUS, complete_channels
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import complete_channels
 from graphnav.core.spec import RecordOption, option_in, parse_yaml, read_bytes
 
 _SEED = Target("run", key="seed")
@@ -38,9 +37,9 @@ class LogGraph:
 
 def about_in(recording: Recording) -> About | None:
     """Return the description in a log; in a log of the tap it is repeated, and not the first event."""
-    for index in range(recording.count(ABOUT)):
+    for index in range(recording.count(About.CHANNEL)):
         try:
-            return decode(About, recording.event(ABOUT, index).data)[2]
+            return decode(About, recording.event(About.CHANNEL, index).data)[2]
         except DecodeError:
             continue
     return None
@@ -80,8 +79,8 @@ def _own_graph(
     recording: Recording, about: About | None, catalog: Catalog, overrides: Sequence[Override], given: Collection[str]
 ) -> Graph:
     """Return the graph of a run folder, else the graph in the log; ``given``: names of loaded plugins."""
-    saved, notice = recording.path.parent / GRAPH, ""
-    if recording.path.name == LOG and saved.is_file():
+    saved, notice = recording.path.parent / RunFolder.GRAPH, ""
+    if recording.path.name == RunFolder.LOG and saved.is_file():
         data = read_bytes(saved, Place(shown_path(saved)))
         differing = _differing_section(data, about)
         if not differing:
@@ -89,9 +88,9 @@ def _own_graph(
         notice = f"{shown_path(saved)} is not the graph of the log: '{differing}' differs; that of the log is stepped"
     source = shown_path(recording.path)
     if about is None:
-        what = f"{source} does not hold the graph that produced it: no readable '{ABOUT}'"
+        what = f"{source} does not hold the graph that produced it: no readable '{About.CHANNEL}'"
         raise UserError.of(what, "name the graph with --graph FILE")
-    source = f"{source} ({ABOUT})"
+    source = f"{source} ({About.CHANNEL})"
     data = _yaml_of(about)
     plain = parse_yaml(data, source)[0].plain()
     words = plain if isinstance(plain, dict) else {}
@@ -120,7 +119,7 @@ def _log_graph(graph: Graph, about: About | None, recorded: Graph | None) -> Log
 
 def is_live(about: About | None) -> bool:
     """Whether it is the log of a live run."""
-    return about is not None and STATUS in about.channels
+    return about is not None and Status.CHANNEL in about.channels
 
 
 def _option(about: About | None) -> RecordOption:
@@ -168,7 +167,7 @@ def _section(data: bytes, key: str) -> dict[str, Any]:
 def _plain(data: bytes) -> dict[str, Any]:
     """Return a graph as plain data, empty if it is not YAML."""
     try:
-        return _mapping(parse_yaml(data, GRAPH)[0].plain())
+        return _mapping(parse_yaml(data, RunFolder.GRAPH)[0].plain())
     except UserError:
         return {}
 

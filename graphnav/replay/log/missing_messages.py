@@ -6,9 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from graphnav import Graph
+from graphnav import Graph, Recording
 from graphnav.core.graph import Channel
-from graphnav.core.record import SMALL_BYTES
 from graphnav.core.stage import Port
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.plan import Plan
@@ -114,4 +113,4 @@ def _large_rest(channel: Channel, port: Port | None, plan: Plan, contents: Conte
 
 def is_first_only(messages: Sequence[Logged], contents: Contents) -> bool:
     """Whether a log may hold only the first message of a channel because it is large."""
-    return len(messages) == 1 and messages[0].n_bytes >= SMALL_BYTES and messages[0].utime < contents.last_us
+    return len(messages) == 1 and messages[0].n_bytes >= Recording.SMALL_BYTES and messages[0].utime < contents.last_us

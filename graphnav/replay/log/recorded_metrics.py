@@ -5,17 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 from graphnav.core.machine import read_json
-from graphnav.core.record import LOG
-from graphnav.core.runner import SUMMARY
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.stage import FormerNames
 
 
 def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
     """Return the metrics by stage in the summary of a run folder, empty without a readable one."""
-    if log.name != LOG:
+    if log.name != RunFolder.LOG:
         return {}
     try:
-        summary = read_json(log.parent / SUMMARY)
+        summary = read_json(log.parent / RunFolder.SUMMARY)
     except (OSError, ValueError):
         return {}
     scores = summary.get("scores") if isinstance(summary, dict) else None

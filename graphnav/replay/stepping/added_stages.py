@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
-from graphnav.core.runner import LiveInbox, Taken, Timer, Unit, every
+from graphnav.core.runner import LiveInbox, Taken, Timer, Unit
 
 _MAX_GAP_S = 10.0
 """Timers do not fire in longer gaps of a log, whose timestamps may be damaged."""
@@ -33,7 +33,7 @@ class AddedStages:
 
     def __init__(self, units: Sequence[Unit[LiveInbox]], start_s: float) -> None:
         self._units = tuple(reversed(units))
-        self._timers = [(Timer(every(u.node.every_ms / 1e3), start_s), u) for u in self._units if u.node.every_ms]
+        self._timers = [(Timer(Timer.every(u.node.every_ms / 1e3), start_s), u) for u in self._units if u.node.every_ms]
         self._now_s = start_s
 
     def next_due(self, to_s: float) -> Due | None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 
-from graphnav.core.runner import FIRED, Sink, Used, encoded_firing
+from graphnav.core.messages import Fired
+from graphnav.core.runner import Sink, Used, encoded_firing
 from graphnav.replay.log.contents import Logged
 
 
@@ -39,5 +40,5 @@ class FiringLog:
 
     def fire(self, stage: str, at_us: int, utime: int, age_s: float, used: Sequence[Used]) -> None:
         """Write a firing with its messages; ``utime``: the timestamp of the step."""
-        self._sink.write(FIRED, at_us, encoded_firing(at_us, stage, utime, self._n_firings, age_s, used))
+        self._sink.write(Fired.CHANNEL, at_us, encoded_firing(at_us, stage, utime, self._n_firings, age_s, used))
         self._n_firings += 1

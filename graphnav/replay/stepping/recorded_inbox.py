@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from graphnav import Latest, Message, Since
 from graphnav.core.graph import Node
-from graphnav.core.runner import MAX_GATHERED, Taken, Used
+from graphnav.core.runner import LiveInbox, Taken, Used
 from graphnav.core.stage import Port
 from graphnav.replay.log.firings import Firing
 
@@ -114,7 +114,7 @@ class NewPort:
         if self.port.latest:
             self._waiting.clear()
         self._waiting.append((Used(self.port.name, number, utime), message, birth_s))
-        del self._waiting[: -(MAX_GATHERED if self.port.since else _MAX_STAMPS)]
+        del self._waiting[: -(LiveInbox.MAX_GATHERED if self.port.since else _MAX_STAMPS)]
 
     def take(self, stamp: int | None, now_s: float) -> tuple[Any, Sequence[Used]]:
         """Return the value for the step, and its messages; ``stamp``: None for the newest message.

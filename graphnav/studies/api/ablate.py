@@ -6,17 +6,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from graphnav.core.api import (
-    LOADED,
-    PLUGINS,
     KeptFolder,
     PathLike,
+    Shared,
     add_plugins,
     check_text,
-    named_folder,
     overrides_of,
     paths_of,
     tell,
-    temporary_folder,
     texts_of,
 )
 from graphnav.core.catalog import Catalog
@@ -31,7 +28,7 @@ from graphnav.studies.api.study_run import ExecutionOptions, StudyRun, run_study
 from graphnav.studies.parameters import FOLDER, METRICS, OF_FUNCTIONS, REFERENCE, WITHIN
 
 
-@documented(*LOADED, *OF_FUNCTIONS)
+@documented(*Shared.LOADED, *OF_FUNCTIONS)
 def ablate(
     study: PathLike | Sequence[PathLike],
     *,
@@ -75,13 +72,13 @@ def ablate(
         within=texts_of(within, WITHIN),
         one_at_a_time=one_at_a_time,
         decompose=decompose,
-        plugins=paths_of(plugins, PLUGINS),
+        plugins=paths_of(plugins, Shared.PLUGINS),
         reference=reference,
         worlds=worlds_of(worlds),
         until_clear=bool(until_clear),
     )
     options = execution_of(jobs, cluster, gallery, keep_logs, fail_fast)
-    return _made(request, None if folder is None else named_folder(folder, FOLDER), options)
+    return _made(request, None if folder is None else KeptFolder.named(folder, FOLDER), options)
 
 
 def _made(request: StudyRequest, kept: KeptFolder | None, options: ExecutionOptions) -> Study:
@@ -89,7 +86,7 @@ def _made(request: StudyRequest, kept: KeptFolder | None, options: ExecutionOpti
     check_text(request.reference, REFERENCE, "the name of a variant")
     catalog = add_plugins(Catalog(Trust(runs_all=True)), request.plugins)
     study = request.check(catalog)
-    kept = kept or temporary_folder()
+    kept = kept or KeptFolder.temporary()
     with StudyFolder(kept.path) as folder:
         files = run_study(study, catalog, folder, options, _Quiet())
     assert files is not None

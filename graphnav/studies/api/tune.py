@@ -8,19 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav import Problem
-from graphnav.core.api import (
-    LOADED,
-    PLUGINS,
-    KeptFolder,
-    PathLike,
-    add_plugins,
-    check_integer,
-    named_folder,
-    overrides_of,
-    paths_of,
-    temporary_folder,
-    texts_of,
-)
+from graphnav.core.api import KeptFolder, PathLike, Shared, add_plugins, check_integer, overrides_of, paths_of, texts_of
 from graphnav.core.catalog import Catalog
 from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust
@@ -85,7 +73,7 @@ class Tuned:
         return f"<graphnav.Tuned {self.folder}: {conclusion(self.run)}>"
 
 
-@documented(*LOADED, *OF_FUNCTIONS)
+@documented(*Shared.LOADED, *OF_FUNCTIONS)
 def tune(
     study: PathLike | Sequence[PathLike],
     *,
@@ -126,12 +114,12 @@ def tune(
         searches=parse_searches(texts_of(search, SEARCH), problems),
         trials=trials,
         sampler_seed=sampler_seed,
-        plugins=paths_of(plugins, PLUGINS),
+        plugins=paths_of(plugins, Shared.PLUGINS),
         problems=problems,
     )
     options = execution_of(jobs, cluster, 0, keep_logs=False, fail_fast=False)
     tuning = check_tuning(request, add_plugins(Catalog(Trust(runs_all=True)), request.plugins), request.command)
-    kept = temporary_folder() if folder is None else named_folder(folder, FOLDER)
+    kept = KeptFolder.temporary() if folder is None else KeptFolder.named(folder, FOLDER)
     return Tuned(tune_into(tuning, kept.path, options.jobs, options.cluster), kept)
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import GraphnavError, Problem, UserError, shown_path
-from graphnav.core.api import PLUGINS, SET, TRUST
-from graphnav.core.cli import INTERRUPTED, OK, PORTABLE, catalog_of
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, catalog_of
 from graphnav.core.errors import CatalogError
 from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.notices import print_notice
@@ -48,17 +48,17 @@ A study is a YAML file, the name of a shipped one, or graphs and --vary. Its fol
 resumes a study that was interrupted, and a longer range of seeds adds runs to the existing ones.
 """
 _OF_RUNS = (
-    *(VARY, SET, WITHIN, SEEDS, METRICS, REFERENCE, WORLDS),
-    *(UNTIL_CLEAR, ONE_AT_A_TIME, DECOMPOSE, PLUGINS, CLUSTER),
+    *(VARY, Shared.SET, WITHIN, SEEDS, METRICS, REFERENCE, WORLDS),
+    *(UNTIL_CLEAR, ONE_AT_A_TIME, DECOMPOSE, Shared.PLUGINS, CLUSTER),
 )
 """Options that apply only to a study that runs."""
 
 
 @command(
-    PORTABLE,
+    Options.PORTABLE,
     STUDY,
     VARY,
-    SET.but(help="override in all runs: a stage, a parameter or a wire"),
+    Shared.SET.but(help="override in all runs: a stage, a parameter or a wire"),
     ONE_AT_A_TIME,
     DECOMPOSE,
     WITHIN,
@@ -68,7 +68,7 @@ _OF_RUNS = (
     REFERENCE,
     METRICS,
     former("--figures", "--metrics"),
-    PLUGINS,
+    Shared.PLUGINS,
     FOLDER,
     JOBS,
     CLUSTER,
@@ -77,7 +77,7 @@ _OF_RUNS = (
     FAIL_FAST,
     STALL_S,
     YES,
-    TRUST,
+    Shared.TRUST,
     Parameter("report", "--report", type=Path, metavar="DIR", help="rewrite the tables and report of a study's folder"),
     Parameter(
         "export",
@@ -160,7 +160,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
 
 def _request(args: argparse.Namespace) -> StudyRequest:
     """Return the study that the command line asks for."""
-    from graphnav.core.graph import parse_overrides
+    from graphnav.core.graph import Override
     from graphnav.studies.ablation.study import parse_varies, parse_worlds
     from graphnav.studies.api.study_request import StudyRequest
 
@@ -168,7 +168,7 @@ def _request(args: argparse.Namespace) -> StudyRequest:
     return StudyRequest(
         names=args.study,
         varies=parse_varies(args.vary, problems),
-        overrides=parse_overrides(args.set, problems),
+        overrides=Override.parse_all(args.set, problems),
         seeds=args.seeds,
         metrics=args.metrics,
         within=args.within,
@@ -203,7 +203,7 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
         except KeyboardInterrupt:
             state = _state(plan, len(pending_jobs(plan, folder)))
             print(f"stopped: {state}; resume with the same command", file=sys.stderr)
-            return INTERRUPTED
+            return Exit.INTERRUPTED
         except UserError:
             raise
         except FailFastError as error:
@@ -213,21 +213,21 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
         except GraphnavError as error:
             state = _state(plan, len(pending_jobs(plan, folder)))
             raise GraphnavError(f"{error}\n  {state}; fix this and resume with the same command") from error
-    return OK
+    return Exit.OK
 
 
 def _catalog_of_usable_plugins(args: argparse.Namespace, plan: Plan) -> Catalog:
     """Return the catalog with the usable and trusted plugin files of a study: only drawings need them."""
     from graphnav.core.catalog import Catalog
     from graphnav.core.cli import trust_of
-    from graphnav.core.trust import read_plugin, request_of_plan
+    from graphnav.core.trust import Request, read_plugin
 
     catalog = Catalog(trust_of(args))
     sources: dict[Path, bytes] = {}
     for plugin in map(Path, plan.plugins):
         with suppress(OSError):
             sources[plugin] = read_plugin(plugin)
-    request = request_of_plan(args.report, sources)
+    request = Request.of_plan(args.report, sources)
     if sources and not catalog.trust.allows(request):
         for plugin in sources:
             advice = catalog.trust.advice(request)

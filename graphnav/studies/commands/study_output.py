@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from graphnav import UserError
-from graphnav.core.cli import FAILED, OK
+from graphnav.core.cli import Exit
 from graphnav.core.machine import Console
 from graphnav.core.runner import Outcome
 from graphnav.studies.ablation.execution import read_plan
@@ -62,9 +62,9 @@ def print_outputs(plan: Plan, folder: Path, files: StudyFiles, console: Console,
 def study_status(files: StudyFiles) -> int:
     """Return the exit status of a study: 1, and say so, if there are runs and every one failed."""
     if not files.records or any(record.outcome != Outcome.FAILED for record in files.records):
-        return OK
+        return Exit.OK
     print(f"every run failed: {len(files.records)} of {len(files.records)}", file=sys.stderr)
-    return FAILED
+    return Exit.FAILED
 
 
 def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, fail_if: Sequence[str], console: Console) -> int:
@@ -93,7 +93,7 @@ def write_pairing(folder_a: Path, folder_b: Path, file: Path | None, fail_if: Se
     failed = list(failed_cases(conditions, pairing))
     for case in failed:
         console.print(_failed_case_text(case), style="red", markup=False)
-    return FAILED if failed else OK
+    return Exit.FAILED if failed else Exit.OK
 
 
 def _failed_case_text(case: FailedCase) -> str:

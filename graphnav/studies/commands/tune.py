@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import Problem, UserError
-from graphnav.core.api import PLUGINS, SET
-from graphnav.core.cli import FAILED, INTERRUPTED, OK, PORTABLE, catalog_of, counted
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, catalog_of, counted
 from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.parameters import command
 from graphnav.studies.parameters import (
@@ -39,7 +39,7 @@ _MANY_RUNS = 1000
 
 
 @command(
-    PORTABLE,
+    Options.PORTABLE,
     STUDY.but(
         nargs="+",
         metavar="GRAPH",
@@ -51,8 +51,8 @@ _MANY_RUNS = 1000
     SEEDS.but(help="seeds of the worlds, below 1000, END excluded, or 1,2,5"),
     METRICS.but(help="what is tuned for; equal trials are told apart by the next one"),
     SEARCH,
-    SET,
-    PLUGINS,
+    Shared.SET,
+    Shared.PLUGINS,
     SAMPLER_SEED,
     FOLDER.but(help="the folder (default: tunings/GRAPH)"),
     JOBS,
@@ -73,7 +73,7 @@ def main(args: argparse.Namespace) -> int:
     folder = args.folder or Path("tunings") / named_after(args.study)
     _print_search(tuning, console)
     if tuning.n_runs > _MANY_RUNS and not args.yes and not _confirmed(tuning.n_runs, console):
-        return OK
+        return Exit.OK
     try:
         with study_bar(Console(stderr=True), "tune", 0, tuning.n_runs) as show:
 
@@ -84,14 +84,14 @@ def main(args: argparse.Namespace) -> int:
             run = tune_into(tuning, folder, args.jobs, args.cluster, on_made)
     except KeyboardInterrupt:
         print("stopped: every finished run is kept; resume with the same command", file=sys.stderr)
-        return INTERRUPTED
+        return Exit.INTERRUPTED
     _print_result(run, folder, console)
-    return FAILED if run.has_failed() else OK
+    return Exit.FAILED if run.has_failed() else Exit.OK
 
 
 def _request(args: argparse.Namespace) -> TuningRequest:
     """Return the tuning that the command line asks for."""
-    from graphnav.core.graph import parse_overrides
+    from graphnav.core.graph import Override
     from graphnav.studies.ablation.study import parse_varies
     from graphnav.studies.tuning import TuningRequest, parse_searches
 
@@ -99,7 +99,7 @@ def _request(args: argparse.Namespace) -> TuningRequest:
     return TuningRequest(
         names=args.study,
         varies=parse_varies(args.vary, problems),
-        overrides=parse_overrides(args.set, problems),
+        overrides=Override.parse_all(args.set, problems),
         seeds=args.seeds,
         metrics=args.metrics,
         searches=parse_searches(args.search, problems),

@@ -7,9 +7,10 @@ import json
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.api import TRUST
-from graphnav.core.cli import CHANNEL, FEED, FOR_S, JSON, OK, TYPES, catalog_of, channel_and_feed, load_types_of
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
 from graphnav.watch.commands.listening import TIMEOUT_S, ReportTimes, Timeout
+from graphnav.watch.commands.options import FEED, channel_and_feed
 
 if TYPE_CHECKING:
     from graphnav.core.tables import Table
@@ -19,13 +20,13 @@ _JSON_S = 2.5
 
 
 PARAMETERS = (
-    CHANNEL.but(nargs="?", help="the channel's name (default: all channels)"),
+    Options.CHANNEL.but(nargs="?", help="the channel's name (default: all channels)"),
     FEED,
     TIMEOUT_S,
-    FOR_S,
-    JSON.but(help=f"print one JSON document at the end, for programs; --for then defaults to {_JSON_S:g} s"),
-    *TYPES,
-    TRUST,
+    Options.FOR_S,
+    Options.JSON.but(help=f"print one JSON document at the end, for programs; --for then defaults to {_JSON_S:g} s"),
+    *Options.TYPES,
+    Shared.TRUST,
 )
 
 
@@ -83,7 +84,7 @@ def report(
     else:
         channels = watch.channels
     _print_end(args, feed, channels, line, table(watch) if name is None else None, as_json)
-    return OK
+    return Exit.OK
 
 
 def _print_end(

@@ -6,12 +6,13 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.api import TRUST
-from graphnav.core.cli import CHANNEL, FAILED, FEED, FOR_S, MAX_MESSAGES, OK, TYPES, catalog_of, load_types_of
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
 from graphnav.core.errors import shown_name
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import OneOf, command, flag, many
 from graphnav.watch.commands.listening import TIMEOUT_S, Timeout
+from graphnav.watch.commands.options import FEED
 
 if TYPE_CHECKING:
     from graphnav.watch.feed import Feed, Watch
@@ -29,11 +30,11 @@ examples:
 
 
 @command(
-    CHANNEL,
+    Options.CHANNEL,
     FEED,
-    MAX_MESSAGES,
+    Options.MAX_MESSAGES,
     TIMEOUT_S,
-    FOR_S.but(help="end after S seconds (default: Ctrl-C, or when its run ends)"),
+    Options.FOR_S.but(help="end after S seconds (default: Ctrl-C, or when its run ends)"),
     many(
         "fields",
         "--field",
@@ -47,17 +48,18 @@ examples:
         )
     ),
     flag("full", "--full", "print arrays complete instead of summarised"),
-    *TYPES,
-    TRUST,
+    *Options.TYPES,
+    Shared.TRUST,
     examples=_EXAMPLES,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav import Place, UserError
-    from graphnav.core.fields import Selection, parse_field
     from graphnav.watch.commands.echo_formats import CsvRows, EchoedMessage, JsonLines, Lines
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.feed import Feed, Watch
+    from graphnav.watch.fields.field_path import parse_field
+    from graphnav.watch.fields.selection import Selection
 
     if args.csv and args.full:
         raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))
@@ -84,7 +86,7 @@ def main(args: argparse.Namespace) -> int:
     else:
         watch.find(args.channel, feed, args.for_s)
     printer.close()
-    return FAILED if wait.is_cut_short else OK
+    return Exit.FAILED if wait.is_cut_short else Exit.OK
 
 
 class _Wait:

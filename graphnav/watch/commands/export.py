@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from graphnav.core.api import TRUST
-from graphnav.core.cli import FROM_S, OK, RUN_OR_LOG, TO_S, TYPES, catalog_of, load_types_of
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, many
+from graphnav.watch.commands.options import FROM_S, TO_S
 
 FORMATS = {
     "mp4": "the panels as a video; with --channel the pictures of that channel",
@@ -32,7 +33,7 @@ examples:
 
 
 @command(
-    RUN_OR_LOG,
+    Options.RUN_OR_LOG,
     Parameter("kind", "--to", choices=tuple(FORMATS), required=True, help="the format, see below"),
     Parameter(
         "target",
@@ -52,8 +53,8 @@ examples:
     FROM_S,
     TO_S,
     flag("force", "--force", "replace existing files"),
-    *TYPES,
-    TRUST,
+    *Options.TYPES,
+    Shared.TRUST,
     examples="\n".join(["formats:", *(f"  {name:<9}{text}" for name, text in FORMATS.items()), "", _EXAMPLES]),
 )
 def main(args: argparse.Namespace) -> int:
@@ -82,4 +83,4 @@ def main(args: argparse.Namespace) -> int:
     print(f"{args.target}: {done.contents}, {size_text(done.n_bytes)}")
     for loss in done.losses:
         print_notice(loss)
-    return OK
+    return Exit.OK

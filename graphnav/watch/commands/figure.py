@@ -7,17 +7,19 @@ import math
 from pathlib import Path
 
 from graphnav import UserError
-from graphnav.core.api import TRUST
-from graphnav.core.cli import FROM_S, OK, RUN_OR_LOG, TO_S, log_time, period
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options
 from graphnav.core.errors import shown_name
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, many
+from graphnav.watch.commands.options import FROM_S, TO_S
+from graphnav.watch.commands.quantities import log_time, period
 
 PICTURE_FORMATS = ("png", "svg", "pdf")
 
 
 @command(
-    RUN_OR_LOG,
+    Options.RUN_OR_LOG,
     Parameter("folder", "-o", type=Path, metavar="DIR", help="output folder (default: that of the log)"),
     flag("video", "--video", "also draw video.mp4"),
     many(
@@ -44,7 +46,7 @@ PICTURE_FORMATS = ("png", "svg", "pdf")
         default=PICTURE_FORMATS[0],
         help="of the pictures (default: %(default)s)",
     ),
-    TRUST,
+    Shared.TRUST,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command: draw, and list the files."""
@@ -86,4 +88,4 @@ def main(args: argparse.Namespace) -> int:
         print(path)
     for damage in (*recording.damaged, *filter(None, [recording.truncated])):
         print_notice(f"{log}: {damage}; the pictures show the rest")
-    return OK
+    return Exit.OK

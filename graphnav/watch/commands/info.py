@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 
-from graphnav.core.cli import JSON, LOG, OK, TYPES, load_types_of
+from graphnav.core.cli import Exit, Options, load_types_of
 from graphnav.core.parameters import command
 
 
-@command(LOG, *TYPES, JSON)
+@command(Options.LOG, *Options.TYPES, Options.JSON)
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.cli import short_type
@@ -22,10 +22,10 @@ def main(args: argparse.Namespace) -> int:
     info = survey(find_log(args.log))
     if args.json:
         print(json.dumps(as_json(info)))
-        return OK
+        return Exit.OK
     print("\n".join(as_text(info)))
     if info.channels:
         cells = [(channel, short_type(type_name), *numbers) for channel, type_name, *numbers in rows(info)]
         print_folded(plain_table(HEADINGS, cells))
     print("\n".join(damage(info)) or "no damage")
-    return OK
+    return Exit.OK

@@ -6,22 +6,12 @@ import argparse
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.api import TRUST
-from graphnav.core.cli import (
-    CHANNELS,
-    FAILED,
-    LOG,
-    OK,
-    URL,
-    StatusLine,
-    channels_of,
-    counted,
-    log_time,
-    positive,
-    url_of,
-)
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, StatusLine, counted, positive, url_of
 from graphnav.core.errors import shown_name
 from graphnav.core.parameters import Parameter, command, flag
+from graphnav.watch.commands.options import CHANNELS, channels_of
+from graphnav.watch.commands.quantities import log_time
 
 if TYPE_CHECKING:
     from graphnav import Recording
@@ -39,7 +29,7 @@ In a terminal keys pause, step and seek. Nothing leaves this machine unless the 
 
 
 @command(
-    LOG,
+    Options.LOG,
     Parameter("speed", "--speed", type=positive, default=1.0, metavar="X", help="speed factor (default: %(default)g)"),
     Parameter(
         "start", "--start", type=log_time, default=0.0, metavar="TIME", help="start of the playback, such as 12.3s"
@@ -47,17 +37,18 @@ In a terminal keys pause, step and seek. Nothing leaves this machine unless the 
     Parameter("end", "--end", type=log_time, metavar="TIME", help="end of the playback, such as 20s or 2min"),
     flag("loop", "--loop", "restart at the end, until Ctrl-C"),
     *CHANNELS,
-    URL,
-    TRUST,
+    Options.URL,
+    Shared.TRUST,
     examples=_EXAMPLES,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.bus import Bus
     from graphnav.core.catalog import Catalog
-    from graphnav.core.cli import open_keyboard, opened, trust_of
+    from graphnav.core.cli import opened, trust_of
     from graphnav.core.notices import print_notice
     from graphnav.core.record import find_log
+    from graphnav.watch.commands.foreground_keyboard import open_keyboard
     from graphnav.watch.player import HELP, Player, select_events
 
     channels = channels_of(args)
@@ -88,7 +79,7 @@ def main(args: argparse.Namespace) -> int:
             print(f"{counted(player.n_played, 'message')} played in {time.monotonic() - begin_s:.1f} s")
     if player.n_refused:
         print_notice(f"not published: {counted(player.n_refused, 'message')}: {shown_name(player.refusal)}")
-    return FAILED if player.n_refused and not player.n_played else OK
+    return Exit.FAILED if player.n_refused and not player.n_played else Exit.OK
 
 
 def _tell(recording: Recording, cursor: LogCursor) -> None:

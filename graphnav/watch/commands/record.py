@@ -10,21 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import Place, UserError
-from graphnav.core.cli import (
-    CHANNELS,
-    FAILED,
-    FOR_S,
-    GROUP,
-    OK,
-    TYPES,
-    StatusLine,
-    channels_of,
-    counted,
-    load_types_of,
-    size,
-    split,
-)
+from graphnav.core.cli import Exit, Options, StatusLine, counted, load_types_of
 from graphnav.core.parameters import COUNT, Parameter, command, flag
+from graphnav.watch.commands.options import CHANNELS, channels_of
+from graphnav.watch.commands.quantities import size, split
 
 if TYPE_CHECKING:
     from graphnav.core.interrupts import Interrupt
@@ -45,7 +34,7 @@ lcm-logplayer and 'graphnav play' play the log. Ctrl-C, SIGTERM and SIGHUP end t
 
 
 @command(
-    GROUP.but(help="where to listen, udpm://... (default: where runs are tapped)"),
+    Options.GROUP.but(help="where to listen, udpm://... (default: where runs are tapped)"),
     Parameter(
         "path", "-o", type=Path, metavar="FILE", help="the log (default: record-DATE-TIME.lcmlog in this folder)"
     ),
@@ -66,8 +55,8 @@ lcm-logplayer and 'graphnav play' play the log. Ctrl-C, SIGTERM and SIGHUP end t
         metavar="SIZE",
         help="end when the free space of the disk falls below this (100MB, 5GB)",
     ),
-    *TYPES,
-    FOR_S,
+    *Options.TYPES,
+    Options.FOR_S,
     examples=_EXAMPLES,
 )
 def main(args: argparse.Namespace) -> int:
@@ -96,7 +85,7 @@ def main(args: argparse.Namespace) -> int:
             interrupt.settle()
             recorder.close()
     print_recorded(recorder, url)
-    return FAILED if recorder.failure else OK
+    return Exit.FAILED if recorder.failure else Exit.OK
 
 
 def _opened(args: argparse.Namespace, url: str, path: Path, definitions: str) -> Recorder:

@@ -11,9 +11,10 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav.core.api import TRUST
-from graphnav.core.cli import FEED, FOR_S, JSON, OK, TYPES, catalog_of, load_types_of
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
 from graphnav.core.parameters import Parameter, command, flag
+from graphnav.watch.commands.options import FEED
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
@@ -30,8 +31,8 @@ _PLAIN_TERMINALS = {"dumb", "unknown", ""}
 @command(
     FEED,
     flag("once", "--once", "listen for a while, list the channels with their fields and exit"),
-    JSON.but(help="print JSON, for programs; implies --once"),
-    FOR_S.but(default=2.5, help="how long --once listens (default: %(default)s s)"),
+    Options.JSON.but(help="print JSON, for programs; implies --once"),
+    Options.FOR_S.but(default=2.5, help="how long --once listens (default: %(default)s s)"),
     Parameter(
         "graphics",
         "--graphics",
@@ -40,8 +41,8 @@ _PLAIN_TERMINALS = {"dumb", "unknown", ""}
         help="pictures on the full screen: half blocks, for every terminal; sixels; the kitty protocol; auto "
         "queries the terminal for the best, half blocks inside tmux and screen (default: %(default)s)",
     ),
-    *TYPES,
-    TRUST,
+    *Options.TYPES,
+    Shared.TRUST,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
@@ -59,7 +60,7 @@ def main(args: argparse.Namespace) -> int:
     console = Console(highlight=False, soft_wrap=True)
     if feed.is_live and not (args.once or args.json):
         _watch(feed, watch, console)
-        return OK
+        return Exit.OK
     for received in feed.listen(args.for_s):
         if received is not None:
             watch.receive(received)
@@ -67,10 +68,10 @@ def main(args: argparse.Namespace) -> int:
         raise feed.silence(args.for_s)
     if args.json:
         print(json.dumps(as_json(watch, feed)))
-        return OK
+        return Exit.OK
     heading = f"{feed.name}: {len(watch.channels)} channels" + (f" in {args.for_s:g} s" if feed.is_live else "")
     console.print(as_text(watch, "; ".join([heading, *filter(None, [feed.truncated, drops_of(feed)])])))
-    return OK
+    return Exit.OK
 
 
 def _has_screen() -> bool:

@@ -7,8 +7,9 @@ import json
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli import FEED, FOR_S, JSON, OK, TYPES, load_types_of
+from graphnav.core.cli import Exit, Options, load_types_of
 from graphnav.core.parameters import command, flag
+from graphnav.watch.commands.options import FEED
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -27,12 +28,12 @@ _KEYS = (("space", "freeze the view, or go on"), ("?", "show the keys, or hide t
 @command(
     FEED,
     flag("once", "--once", "wait for one status of each run, print it and exit"),
-    JSON.but(help="print JSON, for programs; implies --once"),
-    FOR_S.but(
+    Options.JSON.but(help="print JSON, for programs; implies --once"),
+    Options.FOR_S.but(
         default=2.5,
         help="how long to wait for the first status before reporting that there is none (default: %(default)s s)",
     ),
-    *TYPES,
+    *Options.TYPES,
     about="keys: " + "; ".join(f"{key}: {what}" for key, what in _KEYS),
 )
 def main(args: argparse.Namespace) -> int:
@@ -49,7 +50,7 @@ def main(args: argparse.Namespace) -> int:
         console = Console(highlight=False, width=_PIPED_COLS)
     if feed.is_live and not (args.once or args.json):
         _watch(feed, health, console, args.for_s)
-        return OK
+        return Exit.OK
     _look(feed, health, args.for_s)
     if not health.has_status:
         raise _no_run(feed, health, args.for_s)
@@ -57,7 +58,7 @@ def main(args: argparse.Namespace) -> int:
         print(json.dumps(health_as_json(health, feed.name)))
     else:
         console.print(health_as_text(health, console.width))
-    return OK
+    return Exit.OK
 
 
 def _look(feed: Feed, health: Health, for_s: float) -> None:
@@ -74,8 +75,8 @@ def _watch(feed: Feed, health: Health, console: Console, for_s: float) -> None:
     """Show the runs until q or Ctrl-C; report once, after ``for_s``, that there is none."""
     from rich.live import Live
 
-    from graphnav.core.cli import open_keyboard
     from graphnav.core.notices import print_notice
+    from graphnav.watch.commands.foreground_keyboard import open_keyboard
 
     begin_s, shown_s, is_new, is_told = time.monotonic(), 0.0, False, False
     with open_keyboard() as (keyboard, has_keys), Live(console=console, auto_refresh=False) as live:

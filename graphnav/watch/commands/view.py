@@ -7,9 +7,11 @@ import os
 from typing import TYPE_CHECKING
 
 from graphnav import UserError
-from graphnav.core.api import TRUST
-from graphnav.core.cli import FEED, OK, TYPES, catalog_of, load_types_of, port_number
+from graphnav.core.api import Shared
+from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
 from graphnav.core.parameters import Parameter, command, flag
+from graphnav.watch.commands.options import FEED
+from graphnav.watch.commands.quantities import port_number
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
@@ -44,8 +46,8 @@ _LOOPBACK = "127.0.0.1"
         help="address to listen on; any other than %(default)s gives other machines access",
     ),
     flag("open", "--open", "open the page, or Foxglove's, in the browser"),
-    *TYPES,
-    TRUST,
+    *Options.TYPES,
+    Shared.TRUST,
 )
 def main(args: argparse.Namespace) -> int:
     """Run the command."""
@@ -70,7 +72,7 @@ def main(args: argparse.Namespace) -> int:
         why = os.strerror(number) if number > 0 else getattr(error, "strerror", None) or "not an address"
         what = f"cannot listen on {args.host}, port {port}: {why}"
         raise UserError.of(what, "choose another port with --port, 0 for a free one, or another --host") from error
-    return OK
+    return Exit.OK
 
 
 def _serve_page(feed: Feed, catalog: Catalog, host: str, port: int, *, is_opened: bool) -> None:

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from graphnav import Recording, UserError, did_you_mean
-from graphnav.core.record import ABOUT
+from graphnav import About, Recording, UserError, did_you_mean
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ class Selection:
         if not known:
             raise UserError.of(f"{recording.path} holds no messages", "name another log")
         if not self.patterns:
-            return tuple(name for name in known if name != ABOUT)
+            return tuple(name for name in known if name != About.CHANNEL)
         for pattern in self.patterns:
             if not any(_matches(name, pattern) for name in known):
                 printable = [name if name.isprintable() else ascii(name) for name in sorted(known)]

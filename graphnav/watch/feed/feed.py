@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav import GraphnavError, Recording
-from graphnav.core.bus import Bus, require_route, with_defaults
+from graphnav.core.bus import Bus
 from graphnav.core.errors import shown_name
 from graphnav.core.lcm_url import tap_url
 from graphnav.core.record import find_log
@@ -58,7 +58,7 @@ class Feed:
 
     def check(self) -> None:
         """Raise BusError early if a live feed cannot be opened."""
-        require_route(with_defaults(self.name))
+        Bus.require_route(Bus.with_defaults(self.name))
 
     def open(self, take: Callable[[Received], None]) -> None:
         """Join a group, whose messages `handle` gives to ``take``; raises BusError if LCM cannot be opened.

@@ -8,7 +8,7 @@ from typing import Any
 
 from graphnav import About, GuardState, Status
 from graphnav.core.codec import DecodeError, decode, fingerprint
-from graphnav.core.record import ABOUT, silent_after_s
+from graphnav.core.record import silent_after_s
 from graphnav.watch.feed.announcements import MAX_RUNS, RUN_SILENT_S
 from graphnav.watch.feed.feed import Received
 
@@ -76,7 +76,7 @@ class Health:
                 self.guards.pop(received.channel, None)
                 self.guards[received.channel] = GuardHealth(received.channel, received.at_s, state, utime)
                 self._bound(self.guards)
-            elif received.channel == ABOUT and (run_id := decode(About, received.data)[2].run_id):
+            elif received.channel == About.CHANNEL and (run_id := decode(About, received.data)[2].run_id):
                 self._keep_run(self.runs.get(run_id) or RunHealth(run_id, received.at_s))
         except DecodeError:
             pass

@@ -7,7 +7,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import type_named
 from graphnav.core.errors import Hint, shown_name
 from graphnav.core.graph import RESERVED
-from graphnav.core.record import ABOUT, Clock, FirstArrivals
+from graphnav.core.record import Clock, FirstArrivals
 from graphnav.watch.feed.announcements import RUN_SILENT_S, Announcements
 from graphnav.watch.feed.channel import WatchedChannel
 from graphnav.watch.feed.feed import Feed, Received, drops_of
@@ -49,7 +49,7 @@ class Watch:
     def receive(self, received: Received) -> WatchedChannel:
         """Process a message; invalid ones never raise. Return its channel, a temporary one where there is no room."""
         self.count += 1
-        if received.channel == ABOUT and (about := self.announcements.receive(received)) is not None:
+        if received.channel == About.CHANNEL and (about := self.announcements.receive(received)) is not None:
             self._expect(about)
         channel = self.channels.get(received.channel) or self._admit(received)
         if channel is None:

@@ -10,8 +10,8 @@ from graphnav import Recording, Status
 from graphnav.core.codec import DecodeError, decode
 from graphnav.core.errors import LogError
 from graphnav.core.machine import read_json
-from graphnav.core.record import LOG, parts_of
-from graphnav.core.runner import STATUS, SUMMARY
+from graphnav.core.record import parts_of
+from graphnav.core.run_folder import RunFolder
 
 
 @dataclass(frozen=True)
@@ -54,20 +54,20 @@ def origin_of(recording: Recording) -> LogOrigin | None:
 
 def _name_by_status(recording: Recording) -> str | None:
     """Return the graph's name from the first status message in a log."""
-    if not recording.count(STATUS):
+    if not recording.count(Status.CHANNEL):
         return None
     try:
-        return _string_or_none(decode(Status, recording.event(STATUS, 0).data)[2].graph)
+        return _string_or_none(decode(Status, recording.event(Status.CHANNEL, 0).data)[2].graph)
     except DecodeError:
         return None
 
 
 def _summary(log: Path) -> dict[str, Any]:
     """Return the summary of the run folder of a log or of a part of it; empty if it is missing or unreadable."""
-    if log not in parts_of(log.with_name(LOG)):
+    if log not in parts_of(log.with_name(RunFolder.LOG)):
         return {}
     try:
-        found = read_json(log.parent / SUMMARY)
+        found = read_json(log.parent / RunFolder.SUMMARY)
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}

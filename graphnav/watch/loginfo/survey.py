@@ -9,7 +9,7 @@ from graphnav import Recording
 from graphnav.core.codec import DecodeError
 from graphnav.core.errors import LogError
 from graphnav.core.messages import Gap
-from graphnav.core.record import GAP, ChannelCounts, Damaged, TruncatedEvent, kind_of
+from graphnav.core.record import ChannelCounts, Damaged, TruncatedEvent, kind_of
 from graphnav.watch.loginfo.log_origin import LogOrigin, origin_of
 from graphnav.watch.loginfo.unfinished import unfinished
 
@@ -152,7 +152,7 @@ def survey(path: Path) -> LogInfo:
 
 def _gaps(recording: Recording) -> tuple[tuple[int, Gap], ...]:
     try:
-        found = [(utime, gap) for utime, _, gap in recording.messages(GAP) if isinstance(gap, Gap)]
+        found = [(utime, gap) for utime, _, gap in recording.messages(Gap.CHANNEL) if isinstance(gap, Gap)]
     except LogError:
         return ()
     return tuple(found)

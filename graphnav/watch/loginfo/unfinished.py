@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from graphnav.core.run_folder import GRAPH, LOG
-from graphnav.core.runner import SUMMARY, is_running, last_call
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import ProgressFile
 
 
 def unfinished(log: Path) -> str:
@@ -14,11 +14,11 @@ def unfinished(log: Path) -> str:
     Empty if it finished, or if the log is not that of a run folder.
     """
     folder = log.parent
-    if log.name != LOG or not (folder / GRAPH).is_file() or (folder / SUMMARY).is_file():
+    if log.name != RunFolder.LOG or not (folder / RunFolder.GRAPH).is_file() or (folder / RunFolder.SUMMARY).is_file():
         return ""
-    if is_running(folder):
+    if ProgressFile.is_running(folder):
         return "the run has not finished: its process still runs"
-    call = last_call(folder)
+    call = ProgressFile.last_call(folder)
     return "the run did not finish: its process ended early" + (
         f"; the last call was {call}" if call is not None else ""
     )

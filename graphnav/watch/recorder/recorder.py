@@ -6,8 +6,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from graphnav import About
 from graphnav.core.errors import LogError
-from graphnav.core.record import ABOUT, AboutFirst, ChannelFilter, LogFiles, ThreadedLogWriter
+from graphnav.core.record import AboutFirst, ChannelFilter, LogFiles, ThreadedLogWriter
 from graphnav.watch.feed import Feed, LiveFeed, Received
 from graphnav.watch.recorder.channel_statistics import ReceiveStatistics
 
@@ -86,7 +87,7 @@ class Recorder:
         channel, data, _ = received
         if not channel:
             self.unnamed += 1
-        elif channel == ABOUT or self._takes(channel):
+        elif channel == About.CHANNEL or self._takes(channel):
             utime = time.time_ns() // 1000
             self.statistics.receive(channel, data, utime / 1e6)
             self._log.write(channel, utime, data)

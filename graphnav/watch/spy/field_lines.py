@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from graphnav.core.errors import shown_name
-from graphnav.core.fields import value_text
+from graphnav.core.field_summary import value_text
 from graphnav.watch.spy.watch.series import Path
 
 _MAX_CHILDREN = 64

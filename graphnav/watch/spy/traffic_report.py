@@ -8,9 +8,10 @@ from typing import Any
 from rich.text import Text
 
 from graphnav.core.errors import shown_name
-from graphnav.core.fields import declared, described, plain, summarised
+from graphnav.core.field_summary import declared, described, summarised
 from graphnav.core.record import Periods
 from graphnav.watch.feed import MAX_CHANNELS, MAX_RUNS, Feed, Watch, WatchedChannel
+from graphnav.watch.fields.plain_values import plain
 
 _APART_RATIO = 0.05
 """Arrival rates that differ by more than this from the rate of the timestamps are shown."""

@@ -9,9 +9,9 @@ from typing import Any
 
 from graphnav import About, GraphnavError
 from graphnav.core.catalog import Catalog
-from graphnav.core.fields import plain
 from graphnav.core.pictures import Pictures
 from graphnav.watch.feed import WatchedChannel
+from graphnav.watch.fields.plain_values import plain
 from graphnav.watch.view.content.announced_graph import announced_graph
 from graphnav.watch.view.content.details import details_of, picture_of
 from graphnav.watch.view.content.floor_map import floor_map, newest_map

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import graphnav
-from graphnav.core.trust import Request, remember
+from graphnav.core.trust import Request
 
 STAGES = Path(__file__).parent / "door_stages.py"
 GRAPH = """\
@@ -32,7 +32,7 @@ def graph(tmp_path: Path) -> Path:
     path = tmp_path / "toy.yaml"
     path.write_text(GRAPH)
     shutil.copy(STAGES, tmp_path)
-    remember(Request(tmp_path, ()))
+    Request(tmp_path, ()).remember()
     return path
 
 

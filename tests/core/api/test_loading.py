@@ -14,7 +14,7 @@ import graphnav
 from graphnav import Place, UserError
 from graphnav.core.api.arguments import overrides_of
 from graphnav.core.cli import main
-from graphnav.core.graph import parse_override
+from graphnav.core.graph import Override
 from graphnav.core.machine.console import Console
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]))
@@ -28,7 +28,7 @@ def test_a_value_reaches_the_graph_as_it_is(value: object) -> None:
     read = override.entry.value.plain()
     assert (read, type(read)) == (value, type(value))
     assert override.place == Place("set['stage.parameter']")
-    written = parse_override(override.words)
+    written = Override.parse(override.words)
     assert (written.target, written.value) == (override.target, value)
 
 

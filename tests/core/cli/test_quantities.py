@@ -6,8 +6,8 @@ from argparse import ArgumentTypeError
 
 import pytest
 
-from graphnav.core.cli.quantities import log_time, size, split
 from graphnav.core.record.log_files import Split
+from graphnav.watch.commands.quantities import log_time, size, split
 
 
 @pytest.mark.parametrize(

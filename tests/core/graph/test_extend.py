@@ -7,7 +7,7 @@ import pytest
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Problem, UserError
-from graphnav.core.graph import Graph, load_graph, parse_override, resolved_yaml
+from graphnav.core.graph import Graph, Override, load_graph, resolved_yaml
 from graphnav.core.graph.read.extend import merge_files
 from graphnav.core.graph.read.graph_files import GraphFile
 from graphnav.core.spec import parse_yaml
@@ -71,7 +71,7 @@ def test_a_changed_use_is_a_swap(toys: Catalog, write: Write, use: str, words: d
     sets = [f"plane={use}", *(f"plane.{name}={value}" for name, value in words.items() if name != "model")]
     if "model" in words:
         sets.append(f"plane.model={write(over=over).parent / 'b.bin'}")
-    swapped = load_graph(write(base=BASE), toys, [*map(parse_override, sets)])
+    swapped = load_graph(write(base=BASE), toys, [*map(Override.parse, sets)])
     assert meaning(extended) == meaning(swapped)
     told = [notice for notice in swapped.notices if "already" not in notice and "in lockstep" not in notice]
     assert list(extended.file_notices) == told
@@ -141,7 +141,7 @@ def test_where_a_graph_lies_is_not_in_its_text(toys: Catalog, write: Write, tmp_
 
 def test_swaps_of_the_command_line_come_last(toys: Catalog, write: Write) -> None:
     over = "extends: base\nstages: {plane: {use: toy.guess, with: {share: 0.25}}}"
-    graph = load_graph(write(base=BASE, over=over), toys, [*map(parse_override, ("plane.share=0.75", "run.seed=8"))])
+    graph = load_graph(write(base=BASE, over=over), toys, [*map(Override.parse, ("plane.share=0.75", "run.seed=8"))])
     assert (graph.node("plane").params["share"], graph.run.seed) == (0.75, 8)
 
 

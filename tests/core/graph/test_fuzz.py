@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import UserError
-from graphnav.core.graph import Graph, graph_of, parse_override, resolved_yaml
+from graphnav.core.graph import Graph, Override, graph_of, resolved_yaml
 
 CALM = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 
@@ -63,7 +63,7 @@ SETS = st.lists(
 
 def is_answered(data: bytes, toys: Catalog, sets: list[str]) -> None:
     with contextlib.suppress(UserError):
-        graph = graph_of(data, Path("graph.yaml"), toys, [*map(parse_override, sets)])
+        graph = graph_of(data, Path("graph.yaml"), toys, [*map(Override.parse, sets)])
         assert isinstance(graph, Graph)
         graph_of(resolved_yaml(graph).encode(), Path("graph.yaml"), toys)
 
@@ -95,7 +95,7 @@ def test_graphs_that_extend_one_another(
         (tmp_path / "base.yaml").write_bytes(text.encode("utf-8", "replace"))
         data = as_yaml(overlay).encode("utf-8", "replace")
         with contextlib.suppress(UserError):
-            graph = graph_of(data, tmp_path / "graph.yaml", toys, [*map(parse_override, sets)])
+            graph = graph_of(data, tmp_path / "graph.yaml", toys, [*map(Override.parse, sets)])
             graph_of(resolved_yaml(graph).encode(), tmp_path / "graph.yaml", toys)
 
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graphnav.core.errors import Place, UserError, did_you_mean
-from graphnav.core.graph import Override, Target, parse_override
+from graphnav.core.graph import Override, Target
 
 NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
 STAGES = st.lists(NAMES.filter(lambda name: name != "run"), min_size=1, max_size=3).map(tuple)
@@ -28,7 +28,7 @@ def test_a_target_reads_back_as_it_is_written(target: Target) -> None:
 @given(TARGETS, SCALARS | st.lists(SCALARS, max_size=3))
 def test_an_override_reads_back_as_it_is_written(target: Target, value: object) -> None:
     written = Override(target, value, Place("study.yaml", 3, 7))
-    read = parse_override(written.words)
+    read = Override.parse(written.words)
     assert (read, type(read.value)) == (written, type(value))
     assert read.place == Place(f"--set {written.words}")
 
@@ -36,7 +36,7 @@ def test_an_override_reads_back_as_it_is_written(target: Target, value: object) 
 @pytest.mark.parametrize("text", ["", "plane", "=1", ".=1", "plane.=1", "run=1", "plane.rule+=1", "plane.rule=[1"])
 def test_what_is_not_an_override_is_refused_at_its_text(text: str) -> None:
     with pytest.raises(UserError) as caught:
-        parse_override(text)
+        Override.parse(text)
     assert [problem.place for problem in caught.value.problems] == [Place(f"--set {text}")]
 
 

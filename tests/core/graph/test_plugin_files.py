@@ -6,7 +6,7 @@ import pytest
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import UserError
-from graphnav.core.graph import load_graph, parse_override, resolved_yaml
+from graphnav.core.graph import Override, load_graph, resolved_yaml
 from graphnav.core.trust import Trust
 
 PLUGIN = """
@@ -39,7 +39,7 @@ def graph(tmp_path: Path) -> Path:
 
 def test_its_stages_are_there_for_the_graph_and_for_swaps(graph: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir("/")
-    loaded = load_graph(graph, Catalog(TRUST), [*map(parse_override, ("again+=mine.still", "again.speed_mps=1"))])
+    loaded = load_graph(graph, Catalog(TRUST), [*map(Override.parse, ("again+=mine.still", "again.speed_mps=1"))])
     assert loaded.node("wheels").params == {"rate_hz": 10.0, "speed_mps": 0.0}
     assert loaded.node("again").params["speed_mps"] == 1.0
     assert (loaded.plugins, loaded.written_plugins) == ((graph.parent / "stages" / "mine.py",), ("stages/mine.py",))

@@ -11,10 +11,11 @@ import pytest
 from graphnav.core.codec import decode, encode
 from graphnav.core.errors import LogError
 from graphnav.core.messages import About
-from graphnav.core.record import ABOUT, LOG, Recording
+from graphnav.core.record import Recording
 from graphnav.core.record.about_first import WAIT_S, AboutFirst
 from graphnav.core.record.log_files import LogFiles, Split
 from graphnav.core.record.log_paths import files_of, numbered, parts_of
+from graphnav.core.run_folder import RunFolder
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 SAID = encode(About("stages: {}\n", "", "cafe", 7, (), ()), 0, 0)
@@ -67,30 +68,30 @@ def test_files_are_split_by_time(tmp_path: Path) -> None:
 
 def test_an_event_that_is_larger_than_a_file_has_one_of_its_own(tmp_path: Path) -> None:
     log = LogFiles(tmp_path / "log", Split(n_bytes=100))
-    log.write(ABOUT, 0, SAID)
+    log.write(About.CHANNEL, 0, SAID)
     for k in range(3):
         log.write("x", k, bytes(1000))
     log.close()
     assert [events(path) for path in log.paths] == [
-        [(ABOUT, 0)],
-        *([(ABOUT, k), ("x", k)] for k in range(3)),
+        [(About.CHANNEL, 0)],
+        *([(About.CHANNEL, k), ("x", k)] for k in range(3)),
     ]
 
 
 def test_each_file_describes_itself(tmp_path: Path) -> None:
     log = LogFiles(tmp_path / "log", Split(us=10))
     log.write("x", 0, b"")
-    log.write(ABOUT, 5, SAID)
+    log.write(About.CHANNEL, 5, SAID)
     log.write("x", 12, b"")
-    log.write(ABOUT, 22, SAID)
-    log.write(ABOUT, 23, b"not a description")
+    log.write(About.CHANNEL, 22, SAID)
+    log.write(About.CHANNEL, 23, b"not a description")
     log.write("x", 40, b"")
     log.close()
     assert [events(path) for path in log.paths] == [
-        [("x", 0), (ABOUT, 5)],
-        [(ABOUT, 12), ("x", 12)],
-        [(ABOUT, 22), (ABOUT, 23)],
-        [(ABOUT, 40), ("x", 40)],
+        [("x", 0), (About.CHANNEL, 5)],
+        [(About.CHANNEL, 12), ("x", 12)],
+        [(About.CHANNEL, 22), (About.CHANNEL, 23)],
+        [(About.CHANNEL, 40), ("x", 40)],
     ]
     assert log.n_events == 6, "copies are not counted"
 
@@ -137,7 +138,7 @@ def test_only_parts_of_the_same_recording_are_found(tmp_path: Path) -> None:
 
 
 def test_parts_are_in_the_order_of_their_numbers(tmp_path: Path) -> None:
-    log = tmp_path / LOG
+    log = tmp_path / RunFolder.LOG
     parts = [log, *(numbered(log, number) for number in (1, 9999, 10_000, 10_001, 100_000))]
     for part in parts:
         part.touch()
@@ -159,10 +160,10 @@ def test_the_description_comes_first_with_the_first_stamp(tmp_path: Path) -> Non
     log.write("x", 10, b"a")
     log.write("x", 20, b"b")
     assert (log.n_events, log.n_bytes) == (2, 0), "they are held back"
-    log.write(ABOUT, 30, SAID)
-    log.write(ABOUT, 40, SAID)
+    log.write(About.CHANNEL, 30, SAID)
+    log.write(About.CHANNEL, 40, SAID)
     log.close()
-    assert events(tmp_path / "log") == [(ABOUT, 10), ("x", 10), ("x", 20), (ABOUT, 40)]
+    assert events(tmp_path / "log") == [(About.CHANNEL, 10), ("x", 10), ("x", 20), (About.CHANNEL, 40)]
 
 
 @pytest.mark.parametrize("how", ["write", "flush", "close", "much"])
@@ -170,7 +171,7 @@ def test_without_a_description_nothing_is_invented(tmp_path: Path, how: str) -> 
     time = Time()
     log = AboutFirst(LogFiles(tmp_path / "log"), time)
     log.write("x", 10, bytes(40 << 20) if how == "much" else b"a")
-    log.write(ABOUT, 15, b"not a description")
+    log.write(About.CHANNEL, 15, b"not a description")
     log.flush()
     assert (log.n_bytes > 0) == (how == "much")
     time.now_s = WAIT_S
@@ -180,7 +181,7 @@ def test_without_a_description_nothing_is_invented(tmp_path: Path, how: str) -> 
     elif how == "flush":
         log.flush()
         assert len(events(tmp_path / "log")) == 2
-    log.write(ABOUT, 30, SAID)
+    log.write(About.CHANNEL, 30, SAID)
     log.close()
     assert [utime for _, utime in events(tmp_path / "log")] == [10, 15, *([20] if how == "write" else []), 30]
 
@@ -192,8 +193,8 @@ def test_given_definitions_are_part_of_every_description(tmp_path: Path, *, has_
     for k in range(20):
         log.write("x", k, bytes(200))
         if has_run:
-            log.write(ABOUT, k, SAID)
-    log.write(ABOUT, 20, b"not a description")
+            log.write(About.CHANNEL, k, SAID)
+    log.write(About.CHANNEL, 20, b"not a description")
     assert log.n_events == 21 + 20 * has_run
     log.close()
     parts = files_of(tmp_path / "log")
@@ -201,7 +202,7 @@ def test_given_definitions_are_part_of_every_description(tmp_path: Path, *, has_
     for part in parts:
         with Recording(part) as recording:
             first = next(recording.events())
-            assert first.channel == ABOUT
+            assert first.channel == About.CHANNEL
             about = decode(About, first.data)[2]
             assert text in about.lcm_text
             assert (recording.about is not None) == has_run

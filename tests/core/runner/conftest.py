@@ -11,7 +11,7 @@ import pytest
 from graphnav import Recording
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph, load_graph
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.summary import Summary
 
@@ -42,6 +42,6 @@ def run(tmp_path: Path, load: Callable[[str], Graph]) -> Run:
         folder = tmp_path / name
         folder.mkdir()
         summary = run_recorded(graph, graph.make_stages(), folder)
-        return summary, Recording(folder / LOG)
+        return summary, Recording(folder / RunFolder.LOG)
 
     return run_text

@@ -7,7 +7,9 @@ from pathlib import Path
 
 from graphnav import Twist
 from graphnav.core.graph import Graph, resolved_yaml
-from graphnav.core.record import ABOUT, LOG, Recording
+from graphnav.core.messages import About
+from graphnav.core.record import Recording
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import seed_of
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.summary import Summary
@@ -146,7 +148,7 @@ def test_the_log_describes_itself(run: Run, load: Callable[[str], Graph]) -> Non
     text = "run: {until_s: 1}\nchannels: {d.twist: COMMAND}\nstages: {d: {use: probe.dice, with: {rate_hz: 7}}}"
     _, log = run(text)
     assert log.about is not None
-    assert next(log.events()).channel == ABOUT
+    assert next(log.events()).channel == About.CHANNEL
     assert log.about.channels == ("COMMAND",)
     assert log.about.types == ("graphnav_lcm.twist_t",)
     assert "struct twist_t" in log.about.lcm_text
@@ -167,6 +169,6 @@ def test_small_logs_keep_small_messages_and_the_first_of_every_channel(run: Run)
 def test_a_log_holds_only_the_channels_that_it_is_asked_to_keep(load: Callable[[str], Graph], tmp_path: Path) -> None:
     graph = load("run: {until_s: 1, record: small}\nstages: {d: {use: probe.dice}, n: {use: probe.noise}}")
     run_recorded(graph, graph.make_stages(), tmp_path, keep=["n.image"])
-    with Recording(tmp_path / LOG) as log:
-        assert list(log.channels) == [ABOUT, "n.image"]
+    with Recording(tmp_path / RunFolder.LOG) as log:
+        assert list(log.channels) == [About.CHANNEL, "n.image"]
         assert log.count("n.image") == 11

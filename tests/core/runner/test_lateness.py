@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from graphnav.core.graph import Graph
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.lockstep_inbox import LockstepInbox
 from graphnav.core.runner.recording.run_recorded import run_recorded
-from graphnav.core.runner.recording.summary import SUMMARY
 
 Load = Callable[[str], Graph]
 
@@ -33,7 +33,7 @@ def test_a_paced_run_that_cannot_keep_up_tells_it_while_it_runs_and_in_the_summa
     assert notices[0].startswith("behind the wall clock by ")
     assert notices[0].endswith(" ms, the pace allows 1 ms")
     assert len(notices) >= 2
-    assert json.loads((tmp_path / SUMMARY).read_text())["behind_s"] == summary.behind_s
+    assert json.loads((tmp_path / RunFolder.SUMMARY).read_text())["behind_s"] == summary.behind_s
 
 
 def test_a_run_without_a_pace_is_not_behind(load: Load, tmp_path: Path) -> None:

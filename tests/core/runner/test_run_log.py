@@ -14,10 +14,11 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import codec_of, fingerprint, known_types, lcm_name, lcm_text_of, type_named
 from graphnav.core.codec.given_types import add_given_types
 from graphnav.core.errors import UserError
-from graphnav.core.graph import Graph, load_graph, parse_override, resolved_yaml
-from graphnav.core.messages import Twist
-from graphnav.core.record import ABOUT, LOG, Recording
+from graphnav.core.graph import Graph, Override, load_graph, resolved_yaml
+from graphnav.core.messages import About, Twist
+from graphnav.core.record import Recording
 from graphnav.core.record.log_paths import parts_of
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.run_recorded import run_recorded
 
 
@@ -31,7 +32,7 @@ def drive(tmp_path: Path) -> Callable[..., Path]:
         graph = load_graph(path, Catalog())
         (tmp_path / name).mkdir()
         run_recorded(graph, graph.make_stages(), tmp_path / name)
-        return tmp_path / name / LOG
+        return tmp_path / name / RunFolder.LOG
 
     return run
 
@@ -39,7 +40,7 @@ def drive(tmp_path: Path) -> Callable[..., Path]:
 def test_files_read_as_one_log_and_each_describes_itself(drive: Callable[..., Path]) -> None:
     entire, log = drive("entire", "all"), drive("split", "{keep: all, rotate_mb: 2, rotate_s: 0.7}")
     parts = parts_of(log)
-    assert [path.name for path in parts] == [LOG, *(f"run.{n:04}.lcmlog" for n in range(1, len(parts)))]
+    assert [path.name for path in parts] == [RunFolder.LOG, *(f"run.{n:04}.lcmlog" for n in range(1, len(parts)))]
     assert len(parts) > 2
     events = []
     for part in parts:
@@ -47,7 +48,7 @@ def test_files_read_as_one_log_and_each_describes_itself(drive: Callable[..., Pa
         with Recording(part.rename(part.with_name("part"))) as recording:
             assert recording.about is not None
             found = list(recording.events())
-            assert found[0].channel == ABOUT
+            assert found[0].channel == About.CHANNEL
             assert found[-1].utime - found[0].utime < 700_000
             events += found[1:]
         part.with_name("part").rename(part)
@@ -67,10 +68,10 @@ def test_a_mapping_is_checked_by_line_and_loads_again(tmp_path: Path) -> None:
         (3, 39),
     ]
     with pytest.raises(UserError, match="rotate_mb") as caught:
-        load_graph("approach", Catalog(), [parse_override("run.record.rotate_mb=5")])
+        load_graph("approach", Catalog(), [Override.parse("run.record.rotate_mb=5")])
     hint = caught.value.problems[0].hint
     assert str(hint) == "its keys are set together: run.record={keep: small, rotate_mb: 500}"
-    together = parse_override("run.record={keep: small, rotate_mb: 500}")
+    together = Override.parse("run.record={keep: small, rotate_mb: 500}")
     assert load_graph("approach", Catalog(), [together]).run.rotate_mb == 500
     path.write_text("extends: approach\nrun: {record: {keep: small, rotate_s: 60}}\n")
     graph = load_graph(path, Catalog())
@@ -78,7 +79,7 @@ def test_a_mapping_is_checked_by_line_and_loads_again(tmp_path: Path) -> None:
     again: Graph = load_graph(path, Catalog())
     assert again.run == graph.run
     assert (again.run.record, again.run.rotate_s, again.run.rotate_mb) == ("small", 60.0, None)
-    assert load_graph("approach", Catalog(), [parse_override("run.record=all")]).run.record == "all"
+    assert load_graph("approach", Catalog(), [Override.parse("run.record=all")]).run.record == "all"
 
 
 def test_the_last_command_is_a_stop_with_the_stamp_of_the_one_before(drive: Callable[..., Path]) -> None:

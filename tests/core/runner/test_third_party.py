@@ -21,8 +21,8 @@ from graphnav.core.errors import CatalogError, DrawingError, UserError
 from graphnav.core.graph import Graph, load_graph
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.pictures import drawing
-from graphnav.core.record import LOG
-from graphnav.core.runner.recording.progress_file import ProgressFile, last_call
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner.recording.progress_file import ProgressFile
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.spec.declared.plugin_formats import plugin_formats
@@ -81,7 +81,7 @@ def run(tmp_path: Path, load: Callable[[str], Graph]) -> Callable[[str], tuple[S
         folder.mkdir()
         summary = run_recorded(graph, graph.make_stages(), folder)
         assert json.loads((folder / "summary.json").read_text())["outcome"] == summary.outcome
-        return summary, Recording(folder / LOG)
+        return summary, Recording(folder / RunFolder.LOG)
 
     return run_text
 
@@ -259,7 +259,7 @@ def test_a_stage_that_hangs_ends_the_run_with_log_and_summary(tmp_path: Path, me
     assert hint == "  the log up to there and summary.json are in out"
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert (summary["outcome"], summary["failure"]) == ("failed", line)
-    with Recording(tmp_path / "out" / LOG) as log:
+    with Recording(tmp_path / "out" / RunFolder.LOG) as log:
         assert log.truncated is None
         assert log.count("c.twist") == {"reset": 0, "step": 3}.get(method, 11)
     assert not (tmp_path / "out" / "progress").exists()
@@ -295,7 +295,7 @@ def test_a_run_that_finished_leaves_no_progress(
 ) -> None:
     unfinished = pytest.importorskip("graphnav.watch.loginfo").unfinished
     run(graph_text("faulty"))
-    assert unfinished(tmp_path / "run" / LOG) == ""
+    assert unfinished(tmp_path / "run" / RunFolder.LOG) == ""
     assert not (tmp_path / "run" / "progress").exists()
 
 
@@ -307,7 +307,7 @@ def test_damaged_progress_is_not_read(
     run(graph_text("faulty"))
     (tmp_path / "run" / "summary.json").unlink()
     (tmp_path / "run" / "progress").write_bytes(content)
-    assert unfinished(tmp_path / "run" / LOG) == "the run did not finish: its process ended early"
+    assert unfinished(tmp_path / "run" / RunFolder.LOG) == "the run did not finish: its process ended early"
 
 
 def test_a_run_in_progress_says_so(tmp_path: Path, run: Callable[[str], tuple[Summary, Recording]]) -> None:
@@ -316,8 +316,8 @@ def test_a_run_in_progress_says_so(tmp_path: Path, run: Callable[[str], tuple[Su
     (tmp_path / "run" / "summary.json").unlink()
     with ProgressFile(tmp_path / "run", {"b": "odd.faulty"}) as progress:
         progress.mark("b", "step", 200_000)
-        assert unfinished(tmp_path / "run" / LOG) == "the run has not finished: its process still runs"
-        assert str(last_call(tmp_path / "run")) == "step of stage 'b' (odd.faulty) at 0.20 s"
+        assert unfinished(tmp_path / "run" / RunFolder.LOG) == "the run has not finished: its process still runs"
+        assert str(ProgressFile.last_call(tmp_path / "run")) == "step of stage 'b' (odd.faulty) at 0.20 s"
 
 
 def test_a_stage_that_changes_what_it_is_given_changes_nothing_for_others(

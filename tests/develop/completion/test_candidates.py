@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override, shipped_graphs
+from graphnav.core.graph import Override, load_graph, shipped_graphs
 from graphnav.develop.completion.complete import stages_of
 from graphnav.develop.completion.index import Index, build_index
 from graphnav.develop.completion.index_cache import cache_file, installed_index
@@ -38,7 +38,7 @@ def test_every_stage_that_can_be_swapped_in_loads(index: Index) -> None:
     offered = list(override_candidates("plane=", uses, index))
     assert "plane=plane.affine" in offered
     for override in offered:
-        load_graph("corridor_ccw", Catalog(), [parse_override(override)])
+        load_graph("corridor_ccw", Catalog(), [Override.parse(override)])
 
 
 def test_values_that_can_be_listed_are_accepted(index: Index) -> None:
@@ -47,7 +47,7 @@ def test_values_that_can_be_listed_are_accepted(index: Index) -> None:
         offered = list(override_candidates(text, uses, index))
         assert len(offered) > 1
         for override in offered:
-            load_graph("corridor_ccw", Catalog(), [parse_override(override)])
+            load_graph("corridor_ccw", Catalog(), [Override.parse(override)])
 
 
 def test_the_stages_of_a_file_are_known_without_running_it(tmp_path: Path, index: Index) -> None:

@@ -22,12 +22,7 @@ from graphnav.core.graph import load_graph
 from graphnav.core.large_messages.child import FRAGMENT_BYTES
 from graphnav.core.machine.instruction_set import PORTABLE
 from graphnav.core.machine.pins import OPT_OUT, lacking
-from graphnav.core.machine.receive_buffer import (
-    RECEIVE_BUFFER_BYTES,
-    buffer_limit,
-    needed_buffer,
-    try_receive_buffer,
-)
+from graphnav.core.machine.receive_buffer import ReceiveBuffer
 from graphnav.core.runner.recording.log_forecast import size_text
 from graphnav.develop.doctor import Finding, run_checks
 from graphnav.develop.doctor.message_sizes import message_sizes
@@ -102,20 +97,24 @@ def test_without_java_the_command_that_installs_it_is_said(
 
 
 def test_a_buffer_holds_at_least_a_packet() -> None:
-    buffer = try_receive_buffer(RECEIVE_BUFFER_BYTES)
+    buffer = ReceiveBuffer.measured(ReceiveBuffer.REQUESTED_BYTES)
     assert buffer.packets >= 1
     assert buffer.granted_bytes >= buffer.held_bytes
-    assert try_receive_buffer(4096).packets <= buffer.packets
+    assert ReceiveBuffer.measured(4096).packets <= buffer.packets
 
 
 def test_a_buffer_of_the_needed_size_holds_the_message() -> None:
     for n_packets in (1, 3, 20):
         n_bytes = n_packets * FRAGMENT_BYTES
-        asked = needed_buffer(n_bytes)
-        assert asked >= RECEIVE_BUFFER_BYTES
-        if asked <= buffer_limit():
-            assert try_receive_buffer(asked).held_bytes >= n_bytes
-    assert needed_buffer(100 * FRAGMENT_BYTES + 1) == needed_buffer(101 * FRAGMENT_BYTES) > RECEIVE_BUFFER_BYTES
+        asked = ReceiveBuffer.needed(n_bytes)
+        assert asked >= ReceiveBuffer.REQUESTED_BYTES
+        if asked <= ReceiveBuffer.limit():
+            assert ReceiveBuffer.measured(asked).held_bytes >= n_bytes
+    assert (
+        ReceiveBuffer.needed(100 * FRAGMENT_BYTES + 1)
+        == ReceiveBuffer.needed(101 * FRAGMENT_BYTES)
+        > ReceiveBuffer.REQUESTED_BYTES
+    )
 
 
 def test_sizes_of_a_lockstep_graph_are_measured() -> None:
@@ -143,21 +142,25 @@ def told_of(graph: str, asked_bytes: int, monkeypatch: pytest.MonkeyPatch) -> Fi
 
 
 def test_the_buffer_that_the_url_requests_is_compared_with_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
-    held = size_text(try_receive_buffer(212_992).held_bytes)
+    held = size_text(ReceiveBuffer.measured(212_992).held_bytes)
     fine = told_of("robot_live", 212_992, monkeypatch)
     assert fine.fine
     assert fine.seen == (
         f"holds messages up to {held} of senders that leave no gaps, with recv_buf_size=212992 of "
-        f"udpm://239.255.77.1:7667 (net.core.rmem_max is {buffer_limit()})"
+        f"udpm://239.255.77.1:7667 (net.core.rmem_max is {ReceiveBuffer.limit()})"
     )
     lost = told_of("navigate_live", 212_992, monkeypatch)
     assert not lost.fine
     assert lost.needed
     assert lost.seen.endswith("; navigate_live loses 922 kB for CAMERA (assumed: 640x480 RGB)")
-    as_root = f"sysctl -w net.core.rmem_max={RECEIVE_BUFFER_BYTES}; " if buffer_limit() < RECEIVE_BUFFER_BYTES else ""
-    assert lost.fix == f"{as_root}recv_buf_size={RECEIVE_BUFFER_BYTES} in its URL"
-    if buffer_limit() >= RECEIVE_BUFFER_BYTES:
-        fine = told_of("navigate_live", RECEIVE_BUFFER_BYTES, monkeypatch)
+    as_root = (
+        f"sysctl -w net.core.rmem_max={ReceiveBuffer.REQUESTED_BYTES}; "
+        if ReceiveBuffer.limit() < ReceiveBuffer.REQUESTED_BYTES
+        else ""
+    )
+    assert lost.fix == f"{as_root}recv_buf_size={ReceiveBuffer.REQUESTED_BYTES} in its URL"
+    if ReceiveBuffer.limit() >= ReceiveBuffer.REQUESTED_BYTES:
+        fine = told_of("navigate_live", ReceiveBuffer.REQUESTED_BYTES, monkeypatch)
         assert fine.fine
         assert fine.seen.endswith("; navigate_live needs 922 kB for CAMERA (assumed: 640x480 RGB)")
 

@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from graphnav.core.cli import main
-from graphnav.core.trust import Request, remember
+from graphnav.core.trust import Request
 
 STAGES = Path(__file__).parents[2] / "core" / "api" / "door_stages.py"
 GRAPH = """\
@@ -29,7 +29,7 @@ def graph(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     monkeypatch.chdir(tmp_path)
     Path("toy.yaml").write_text(GRAPH)
     shutil.copy(STAGES, tmp_path)
-    remember(Request(tmp_path, ()))
+    Request(tmp_path, ()).remember()
     return "toy.yaml"
 
 

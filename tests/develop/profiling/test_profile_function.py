@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import graphnav
-from graphnav.core.trust import Request, remember
+from graphnav.core.trust import Request
 from tests.core.api.conftest import STAGES
 
 
@@ -22,7 +22,7 @@ def graph(tmp_path: Path) -> Path:
         "  sensor: {use: door.sensor}\n  steer: {use: door.steerer, in: {flow: sensor.flow}}\n"
     )
     shutil.copy(STAGES, tmp_path)
-    remember(Request(tmp_path, ()))
+    Request(tmp_path, ()).remember()
     return path
 
 

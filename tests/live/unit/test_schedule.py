@@ -17,7 +17,6 @@ from graphnav.core.codec import decode, encode
 from graphnav.core.errors import StageError
 from graphnav.core.graph import load_graph
 from graphnav.core.messages import Fired
-from graphnav.core.runner.firing import FIRED
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.live_schedule import LiveSchedule
@@ -83,7 +82,7 @@ class Firings:
         """By stage, the stamps of the messages of each step."""
 
     def write(self, channel: str, _utime: int, data: bytes) -> None:
-        if channel == FIRED:
+        if channel == Fired.CHANNEL:
             fired = decode(Fired, data)[2]
             self.fired.append((fired.stage, (fired.fired_us - START_US) // 1000))
             stamps = [(stamp - START_US) // 1000 for stamp in fired.stamps_us.tolist()]

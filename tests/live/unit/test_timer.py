@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from graphnav.core.runner.timer import Timer, every
+from graphnav.core.runner.timer import Timer
 from graphnav.live.clock import LiveClock
 
 
 def test_fires_on_its_grid() -> None:
-    timer = Timer(every(0.1), 5.0)
+    timer = Timer(Timer.every(0.1), 5.0)
     due = []
     for _ in range(4):
         due.append(timer.due_s)
@@ -21,7 +21,7 @@ def test_fires_on_its_grid() -> None:
 
 
 def test_what_is_missed_is_skipped_and_counted_not_made_up_for() -> None:
-    timer = Timer(every(0.1), 0.0)
+    timer = Timer(Timer.every(0.1), 0.0)
     timer.advance(0.0)
     timer.advance(0.45)  # the firing of 0.1 s comes at 0.45 s: 0.4 s is still to come, 0.2 and 0.3 s are gone
     assert timer.due_s == pytest.approx(0.4)

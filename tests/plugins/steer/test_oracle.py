@@ -12,7 +12,7 @@ from graphnav_steer.way import CELL_M, Way
 from graphnav import Latest, Map, State
 from graphnav.arrays import Doubles
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import load_graph, parse_override
+from graphnav.core.graph import Override, load_graph
 from graphnav.core.runner import Lockstep
 
 RADIUS_M = 0.2
@@ -146,7 +146,7 @@ def test_missing_map_and_missing_goal_are_said() -> None:
 @pytest.mark.parametrize("graph", ["corridor_ccw", "pillars"])
 def test_swapped_in_it_nears_the_goal_of_a_map_that_ships(graph: str) -> None:
     sets = ["steer=steer.oracle", "steer.in.map=robot.map", "run.seed=7"]
-    loaded = load_graph(graph, Catalog(), [*map(parse_override, sets)])
+    loaded = load_graph(graph, Catalog(), [*map(Override.parse, sets)])
     lockstep = Lockstep(loaded, loaded.make_stages(), [])
     lockstep.reset(7)
     for _ in range(40):

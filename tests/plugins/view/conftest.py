@@ -17,7 +17,7 @@ import yaml
 from graphnav import About, Flow, Image, Map, Message, Plane, Potential, State, Steering, Twist
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
 from graphnav.core.codec import encode
-from graphnav.core.record import ABOUT, LogWriter, Recording
+from graphnav.core.record import LogWriter, Recording
 
 ROWS, COLS, FOCAL_PX, HEIGHT_M, TILT_RAD = 120, 160, 114.0, 1.0, math.radians(75)
 STEP_PX = 4
@@ -87,7 +87,7 @@ def write_log(path: Path, drive: Drive) -> Path:
     )
     with LogWriter(path) as log:
         if drive.about:
-            log.write(ABOUT, 0, encode(about, 0, 0))
+            log.write(About.CHANNEL, 0, encode(about, 0, 0))
         for k in range(drive.frames):
             tick = _tick(k, drive)
             tick |= {name: tick[of] for name, of in drive.copies.items() if of in tick}

@@ -11,7 +11,7 @@ from graphnav_view.panels.separation_panels import mixture
 
 from graphnav import Components, Recording
 from graphnav.core.cli import main
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_a_frame_with_components_has_two_pictures(
 
 
 def test_the_mixtures_are_drawn_from_the_components(literal: Path) -> None:
-    with Recording(literal / LOG) as log:
+    with Recording(literal / RunFolder.LOG) as log:
         components = log.message("plane.components", -1)[2]
         assert isinstance(components, Components)
         for row, name in enumerate(("flow.flow", "planar.planar")):

@@ -18,7 +18,7 @@ from graphnav_view.signals import Signals
 
 from graphnav import About, Plane, State, Steering
 from graphnav.core.codec import encode
-from graphnav.core.record import ABOUT, LogWriter, Recording
+from graphnav.core.record import LogWriter, Recording
 
 Record = Callable[..., Recording]
 
@@ -47,7 +47,9 @@ def test_where_nothing_was_detected_it_is_one_in_which_the_robot_drives(tmp_path
         graph = {"stages": {"robot": {"use": "world.pymunk"}, "plane": {"use": "plane.ica"}}}
         types = ("graphnav_lcm.state_t", "graphnav_lcm.plane_t")
         log.write(
-            ABOUT, 0, encode(About(yaml.safe_dump(graph), "", "", 7, ("robot.state", "plane.plane"), types), 0, 0)
+            About.CHANNEL,
+            0,
+            encode(About(yaml.safe_dump(graph), "", "", 7, ("robot.state", "plane.plane"), types), 0, 0),
         )
         for k, speed_mps in enumerate((0.0, 0.05, 0.14, 0.2, 0.3, 0.3, 0.3, 0.3)):
             state = State(0.0, 0.0, 0.0, speed_mps, 0.0, 0.2, contact=False, at_goal=False, moving=np.zeros((0, 3)))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import pytest
 
-from graphnav.core.graph import parse_override
+from graphnav.core.graph import Override
 from graphnav.core.stage import Better, Metric
 from graphnav.studies.ablation.plan.plan import Case, Plan
 from graphnav.studies.ablation.results.records import Record, StageTime
@@ -41,7 +41,7 @@ def case_of(graph: str, variant: str, *, is_base: bool, same_as: str = "") -> Ca
         source=graph,
         variant=variant,
         labels={"plane": variant},
-        overrides=() if is_base else (parse_override(f"plane=plane.{variant}"),),
+        overrides=() if is_base else (Override.parse(f"plane=plane.{variant}"),),
         is_base=is_base,
         role="method",
         folder=f"{graph}/{same_as or variant}",

@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 from graphnav import Twist
 from graphnav.core.cli import main
 from graphnav.core.codec import codec_of, encode, type_named
-from graphnav.core.record import ABOUT, LogWriter, Recording
+from graphnav.core.messages import About
+from graphnav.core.record import LogWriter, Recording
 from graphnav.watch.export import export_log
 from graphnav.watch.export.tables.scalar_fields import leaves_of
 
@@ -165,7 +166,7 @@ def test_strings_are_in_quotes_and_numbers_are_not(codec_types: ModuleType, tmp_
 def test_a_drive_gives_a_file_for_each_channel(drive: Path, tmp_path: Path, kind: str, suffix: str) -> None:
     assert main(["export", str(drive), "--to", kind, "-o", str(tmp_path / "tables")]) == 0
     with Recording(drive / "run.lcmlog") as recording:
-        wanted = {name: expected(recording, name) for name in recording.channels if name != ABOUT}
+        wanted = {name: expected(recording, name) for name in recording.channels if name != About.CHANNEL}
     assert {file.name for file in (tmp_path / "tables").iterdir()} == {f"{name}{suffix}" for name in wanted}
     for name, rows in wanted.items():
         path = tmp_path / "tables" / f"{name}{suffix}"

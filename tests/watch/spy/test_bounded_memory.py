@@ -10,7 +10,7 @@ from rich.text import Text
 from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Status, Twist
-from graphnav.core.record import ABOUT, LogWriter
+from graphnav.core.record import LogWriter
 from graphnav.watch.feed import MAX_CHANNELS, Health, Received, Watch
 from graphnav.watch.spy import as_text, health_as_text
 
@@ -24,7 +24,7 @@ def runs() -> list[Received]:
     statuses = [
         encode(Status(f"run-{k}", "graph", False, 0, 0, 0, 0, 0, 0, "", (), (), (), ()), k, 0) for k in range(N_RUNS)
     ]
-    return [Received(ABOUT, data, 0.0) for data in abouts] + [Received("s", data, 0.0) for data in statuses]
+    return [Received(About.CHANNEL, data, 0.0) for data in abouts] + [Received("s", data, 0.0) for data in statuses]
 
 
 @pytest.fixture

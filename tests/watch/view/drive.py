@@ -10,7 +10,6 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode
 from graphnav.core.graph import load_graph
 from graphnav.core.messages import About, Flow, Image, Map, Message, Plane, State, Status, Steering, Stop, Twist
-from graphnav.core.record import ABOUT
 from graphnav.core.runner.recording.run_recorded import about_of
 
 N_FRAMES = 40
@@ -97,7 +96,7 @@ def status(k: int) -> Status:
 
 def messages() -> Iterator[tuple[str, int, bytes]]:
     """Yield channel, stamp and bytes of a drive; every fifth steering is lost, and a name and a string are hostile."""
-    yield ABOUT, 0, encode(about(), 0, 0)
+    yield About.CHANNEL, 0, encode(about(), 0, 0)
     yield "robot.map", 0, encode(world(), 0, 0)
     for k in range(N_FRAMES):
         for channel, message in frame_of(k).items():

@@ -14,7 +14,6 @@ import pytest
 from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Image, Message, Odometry
-from graphnav.core.record import ABOUT
 
 from .drive import about, frame_of, world
 from .foxglove_client import FoxgloveClient, FoxgloveServed, Shown
@@ -33,7 +32,7 @@ class Run:
 
     def tick(self) -> None:
         """Publish a frame."""
-        self._bus.publish(ABOUT, encode(self._about, 0, self.k))
+        self._bus.publish(About.CHANNEL, encode(self._about, 0, self.k))
         for channel, message in (frame_of(self.k) | self.more).items():
             self._bus.publish(channel, encode(message, self.k * 100_000, self.k))
         self.k += 1

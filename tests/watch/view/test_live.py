@@ -14,7 +14,7 @@ import pytest
 
 from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
-from graphnav.core.record import ABOUT
+from graphnav.core.messages import About
 
 from .drive import about, frame_of
 from .served import Page, Served
@@ -35,7 +35,7 @@ class Run:
 
     def tick(self) -> None:
         """Publish a frame."""
-        self._bus.publish(ABOUT, encode(self._about, 0, self._k))
+        self._bus.publish(About.CHANNEL, encode(self._about, 0, self._k))
         for channel, message in frame_of(self._k).items():
             self._bus.publish(self._prefix + channel, encode(message, self._k * 100_000, self._k))
         self._k += 1

@@ -10,7 +10,6 @@ import pytest
 
 from graphnav.core.codec import codec_of, encode
 from graphnav.core.messages import About, Image, State, Status, Twist
-from graphnav.core.record import ABOUT
 from graphnav.core.typeinfo import load_types
 from graphnav.watch.feed import MAX_CHANNELS, Received
 from graphnav.watch.view.page_feed import PageState
@@ -107,7 +106,7 @@ def test_garbage_is_counted_and_bounded(ear: Ear) -> None:
 def test_announced_channels_find_room_among_noise(ear: Ear) -> None:
     for k in range(1000):
         ear.receive(f"noise {k}", b"x")
-    ear.receive(ABOUT, encode(About("stages: {}", "", "a", 7, ("late",), ("graphnav_lcm.twist_t",)), 0, 0))
+    ear.receive(About.CHANNEL, encode(About("stages: {}", "", "a", 7, ("late",), ("graphnav_lcm.twist_t",)), 0, 0))
     ear.receive("late", encode(TWIST, 0, 0))
     assert ear.watch.channels["late"].count == 1
 
@@ -122,7 +121,7 @@ def test_silent_channels_make_room(ear: Ear) -> None:
 
 def test_runs_are_bounded(ear: Ear) -> None:
     for k in range(100):
-        ear.receive(ABOUT, encode(About("stages: {}", "", f"run {k}", 7, (), ()), 0, k), 0.01)
+        ear.receive(About.CHANNEL, encode(About("stages: {}", "", f"run {k}", 7, (), ()), 0, k), 0.01)
         status = Status(f"run {k}", "g", False, 0, 0, 0, 0, 0, 0, "", (), (), (), ())
         ear.receive("graphnav.status", encode(status, 0, k), 0.01)
     assert len(ear.watch.announcements.runs) == 32
@@ -131,7 +130,7 @@ def test_runs_are_bounded(ear: Ear) -> None:
 
 def test_the_newest_living_run_is_shown_unless_one_is_chosen(ear: Ear) -> None:
     def announce(run_id: str) -> None:
-        ear.receive(ABOUT, encode(About("stages: {}", "", run_id, 7, (), ()), 0, 0), 0.5)
+        ear.receive(About.CHANNEL, encode(About("stages: {}", "", run_id, 7, (), ()), 0, 0), 0.5)
 
     runs = ear.watch.announcements
     assert runs.shown(None, 0.0) is None

@@ -1,4 +1,4 @@
-"""An override of a graph: target, value and place."""
+"""An override of a graph: target, value and place, also from the text of an option, ``KEY=VALUE``."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from graphnav.core.errors import Place
-from graphnav.core.graph.overrides.target import Target
+from graphnav.core.errors import Place, Problem, UserError
+from graphnav.core.graph.overrides.target import HINT, Target
 from graphnav.core.graph.wiring.settings import SET
-from graphnav.core.spec import Entry, Value, write_value
+from graphnav.core.spec import Entry, Value, parse_scalar, parse_yaml, write_value
+
+_READ_AS_YAML = ("[", "{", '"', "'")
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,51 @@ class Override:
     def entry(self) -> Entry:
         """The value as an entry of the graph."""
         return Entry(self.place, _placed(self.value, self.place), is_override=True)
+
+    @staticmethod
+    def parse(text: str, place: Place | None = None) -> Override:
+        """Return what ``target=value`` says; without a place that of ``--set`` with this text.
+
+        Raises
+        ------
+        UserError
+            It has another form, or the value is not YAML.
+        """
+        place = place or Place(f"{SET} {text}")
+        target, equals, value = text.partition("=")
+        if not equals:
+            raise UserError.of("this sets nothing", HINT, place)
+        return Override(Target.parse(target, place), parse_value(value, place), place)
+
+    @staticmethod
+    def parse_all(texts: Iterable[str], problems: list[Problem]) -> tuple[Override, ...]:
+        """Return the overrides of ``--set`` options, each placed at its text; add what is wrong to ``problems``."""
+        found = []
+        for text in texts:
+            try:
+                found.append(Override.parse(text))
+            except UserError as error:
+                problems += error.problems
+        return tuple(found)
+
+
+def parse_value(text: str, place: Place) -> Any:
+    """Return what a value means: brackets and quotes are read as YAML, all else as a plain scalar.
+
+    Raises
+    ------
+    UserError
+        It is not YAML.
+    """
+    if not text.startswith(_READ_AS_YAML):
+        return parse_scalar(text)
+    try:
+        value, problems = parse_yaml(text.encode("utf-8", "replace"), "")
+    except UserError as error:
+        problems = error.problems
+    if problems:
+        raise UserError([Problem(place, problem.what, problem.hint, problem.kind) for problem in problems])
+    return value.plain()
 
 
 def without_replaced(overrides: Iterable[Override], later: Iterable[Override]) -> tuple[Override, ...]:

@@ -10,7 +10,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Problem, did_you_mean, one_line, shown_path
 from graphnav.core.graph.read.graph_files import GraphFile
 from graphnav.core.spec import Value
-from graphnav.core.trust import Request, read_plugin, request_of
+from graphnav.core.trust import Request, read_plugin
 
 _HINT = "write plugins: [my_stage.py]"
 
@@ -92,7 +92,7 @@ def _load(
             near = did_you_mean(path.name, (other.name for other in path.parent.glob("*.py"))) if is_absent else ""
             reason = "file not found" if is_absent else error.strerror
             problems.append(Problem(item.place, f"plugin {graph.parent / str(item.data)}: {reason}", near))
-    request = request_of(graph, sources)
+    request = Request.of(graph, sources)
     may_run = not sources or catalog.trust.allows(request)
     for path, item in named.items():
         if path in sources and not may_run:

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from graphnav.core.graph import Channel, Graph, Node
-from graphnav.core.record import SMALL_BYTES
+from graphnav.core.record import Recording
 from graphnav.core.record.log_files import LogFiles, Split
 from graphnav.core.record.threaded_writer import Log
 from graphnav.core.runner.engine import Sink
@@ -76,7 +76,7 @@ class SmallOnly:
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
         """Write one message."""
-        if len(data) < SMALL_BYTES or channel not in self._begun or channel in self._complete:
+        if len(data) < Recording.SMALL_BYTES or channel not in self._begun or channel in self._complete:
             self._begun.add(channel)
             self._sink.write(channel, utime, data)
 

@@ -8,11 +8,8 @@ import graphnav_lcm
 
 from graphnav.core.codec import lcm_name, lcm_text_of
 from graphnav.core.graph import Graph
-from graphnav.core.messages import About
-from graphnav.core.record import GAP
-from graphnav.core.runner.firing import FIRED
+from graphnav.core.messages import About, Fired, Gap, Status
 from graphnav.core.runner.recording.run_recorded import about_of
-from graphnav.core.runner.status import STATUS
 
 
 def live_about(graph: Graph, *, by_outside_names: bool) -> About:
@@ -34,10 +31,10 @@ def live_about(graph: Graph, *, by_outside_names: bool) -> About:
             if source.log is None:
                 channels[source.name] = source.type_name
                 classes.append(source.lcm_class)
-    channels[STATUS] = lcm_name(graphnav_lcm.status_t)
+    channels[Status.CHANNEL] = lcm_name(graphnav_lcm.status_t)
     classes.append(graphnav_lcm.status_t)
     if not by_outside_names:
-        channels |= {FIRED: lcm_name(graphnav_lcm.fired_t), GAP: lcm_name(graphnav_lcm.gap_t)}
+        channels |= {Fired.CHANNEL: lcm_name(graphnav_lcm.fired_t), Gap.CHANNEL: lcm_name(graphnav_lcm.gap_t)}
         classes += [graphnav_lcm.fired_t, graphnav_lcm.gap_t]
     ordered = sorted(channels.items())
     return replace(

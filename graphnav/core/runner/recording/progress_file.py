@@ -80,28 +80,28 @@ class ProgressFile:
             raise
         self._fd = fd
 
-
-def is_running(folder: Path) -> bool:
-    """Whether a process still runs into a run folder."""
-    try:
-        with (folder / PROGRESS).open("rb") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
+    @staticmethod
+    def is_running(folder: Path) -> bool:
+        """Whether a process still runs into a run folder."""
+        try:
+            with (folder / PROGRESS).open("rb") as file:
+                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        except OSError:
+            return False
         return False
-    return False
 
-
-def last_call(folder: Path) -> LastCall | None:
-    """Return the last call into a stage of a run that did not finish, None if that is not known."""
-    try:
-        head, _, record = (folder / PROGRESS).read_bytes().partition(b"\n")
-        uses = json.loads(head)
-        stage, method, utime = _RECORD.unpack(record)
-        if stage < 0 or not 0 < method < len(_METHODS) or utime < 0:
+    @staticmethod
+    def last_call(folder: Path) -> LastCall | None:
+        """Return the last call into a stage of a run that did not finish, None if that is not known."""
+        try:
+            head, _, record = (folder / PROGRESS).read_bytes().partition(b"\n")
+            uses = json.loads(head)
+            stage, method, utime = _RECORD.unpack(record)
+            if stage < 0 or not 0 < method < len(_METHODS) or utime < 0:
+                return None
+            name, use = list(uses.items())[stage]
+            return LastCall(str(name), str(use), _METHODS[method], utime / 1e6)
+        except (OSError, ValueError, RecursionError, AttributeError, struct.error, IndexError):
             return None
-        name, use = list(uses.items())[stage]
-        return LastCall(str(name), str(use), _METHODS[method], utime / 1e6)
-    except (OSError, ValueError, RecursionError, AttributeError, struct.error, IndexError):
-        return None

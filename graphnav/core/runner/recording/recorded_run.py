@@ -10,11 +10,12 @@ from typing import Any, NamedTuple
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph
 from graphnav.core.interrupts import CtrlC, Interrupt, working_folder_restored
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.engine import Engine, Outcome
 from graphnav.core.runner.recording.failures import Failures
 from graphnav.core.runner.recording.progress_file import ProgressFile
 from graphnav.core.runner.recording.stall import StallLimit, StallWatch, stall_error
-from graphnav.core.runner.recording.summary import SUMMARY, Summary, scores_of, steps_of, versions
+from graphnav.core.runner.recording.summary import Summary, steps_of
 from graphnav.core.runner.stage_calls import Call, StageCalls
 
 
@@ -92,7 +93,7 @@ class RecordedRun:
     def read_scores(self) -> None:
         """Read the metrics of the stages, before they are closed."""
         if self.engine is not None and self.engine.is_ready:
-            self._scores = scores_of(self.engine.units, self.failures.noted)
+            self._scores = Summary.scores_of(self.engine.units, self.failures.noted)
 
     def _stall_watch(self, calls: StageCalls, stall: StallLimit, progress: ProgressFile) -> StallWatch:
         """Return what ends the process if a call into a stage does not return."""
@@ -125,7 +126,7 @@ class RecordedRun:
             notices=[*self._graph.notices, *measured.notices],
             tap_dropped=measured.tap_dropped,
             run_id=self._run_id,
-            versions=versions(),
+            versions=Summary.versions_here(),
             behind_s=measured.behind_s,
             cause=self.failures.cause,
             live=measured.live,
@@ -133,6 +134,6 @@ class RecordedRun:
 
     def _write(self, summary: Summary) -> None:
         try:
-            summary.write(self._folder / SUMMARY)
+            summary.write(self._folder / RunFolder.SUMMARY)
         except GraphnavError as error:
             raise GraphnavError(f"{error}; the log up to here is complete") from error

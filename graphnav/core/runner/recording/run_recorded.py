@@ -15,8 +15,8 @@ from graphnav.core.errors import GraphnavError, UserError
 from graphnav.core.graph import Graph, resolved_yaml
 from graphnav.core.interrupts import Interrupt
 from graphnav.core.messages import About
-from graphnav.core.record import ABOUT, LOG
 from graphnav.core.record.threaded_writer import Log
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.engine import Outcome, Sink, Spans
 from graphnav.core.runner.lockstep import Lockstep
 from graphnav.core.runner.recording.full_log import FullLog
@@ -145,7 +145,7 @@ class _LockstepRun:
             sinks.append(self._tap)
         if full is not None and self._graph.run.record == "replayable":
             full.open(self.folder)
-            full.write(ABOUT, 0, self._about())
+            full.write(About.CHANNEL, 0, self._about())
             sinks.append(full)
         self._lockstep = Lockstep(self._graph, stages, sinks, spans, calls)
         self.record.engine = self._lockstep.engine
@@ -169,7 +169,7 @@ class _LockstepRun:
 
         try:
             with record.failures.noted():
-                self.writer.write(ABOUT, 0, self._about())
+                self.writer.write(About.CHANNEL, 0, self._about())
                 self._lockstep.reset(self._graph.run.seed)
                 self._started_s = time.monotonic()
                 record.outcome = self._lockstep.run(self._graph.run.until_s, before_tick)
@@ -205,7 +205,7 @@ def _begin(graph: Graph, folder: Path) -> Log:
     """Save the graph and open the log."""
     save_graph(graph, folder)
     try:
-        return open_log(graph.run, folder / LOG)
+        return open_log(graph.run, folder / RunFolder.LOG)
     except OSError as error:
         raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from graphnav.core.errors import UserError
 from graphnav.core.graph import Graph, resolved_yaml
-from graphnav.core.run_folder import GRAPH, PLUGINS
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.trust import remember_written
 
 
@@ -26,7 +26,7 @@ def save_graph(graph: Graph, folder: Path) -> None:
     for name, data in copies.items():
         _write(folder / name, data, folder)
     text = resolved_yaml(graph, portable_paths=False, plugins=list(copies))
-    _write(folder / GRAPH, text.encode(), folder)
+    _write(folder / RunFolder.GRAPH, text.encode(), folder)
     if copies:
         remember_written(copies)
 
@@ -46,10 +46,10 @@ def _unique_names(paths: Sequence[Path]) -> list[str]:
     """Return the path of each saved plugin. File names are kept: they may be the names of families."""
     names: list[str] = []
     for path in paths:
-        name, number = f"{PLUGINS}/{path.name}", 1
+        name, number = f"{RunFolder.PLUGINS}/{path.name}", 1
         while name in names:
             number += 1
-            name = f"{PLUGINS}/{number}/{path.name}"
+            name = f"{RunFolder.PLUGINS}/{number}/{path.name}"
         names.append(name)
     return names
 

@@ -11,15 +11,13 @@ from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from graphnav.core.machine.atomic_write import write_atomically
 from graphnav.core.machine.instruction_set import used_instruction_set
 from graphnav.core.runner.unit import Unit
 from graphnav.core.stage import Stage, reported_metrics
 
-SUMMARY = "summary.json"
-INSTRUCTION_SET = "instruction set"
 _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm", "pymunk", "pluggy", "pyyaml")
 
 
@@ -42,6 +40,7 @@ class StageSteps:
 class Summary:
     """Content of ``summary.json``: ``failure`` is the error of a failed run, ``scores`` are the metrics by stage."""
 
+    INSTRUCTION_SET: ClassVar[str] = "instruction set"
     outcome: str
     failure: str
     graph: str
@@ -71,6 +70,27 @@ class Summary:
         """Return it as JSON can hold it; a number that is not finite becomes null."""
         return {key: _finite(value) for key, value in asdict(self).items()}
 
+    @staticmethod
+    def versions_here() -> dict[str, str]:
+        """Return the versions that could make two machines differ."""
+        return dict(_versions())
+
+    @staticmethod
+    def scores_of(
+        units: Mapping[str, Unit[Any]], noted: Callable[[], AbstractContextManager[None]]
+    ) -> dict[str, dict[str, float]]:
+        """Return the metrics of every stage that declares some.
+
+        ``noted``: returns a context that keeps the StageError of a stage whose summary fails, or holds what the stage
+        does not declare; the metrics of the other stages are returned.
+        """
+        scores = {}
+        for name, unit in units.items():
+            if type(unit.stage).summary is not Stage.summary:
+                with noted(), unit.calling("summary", (unit.last_utime - unit.start_utime) / 1e6):
+                    scores[name] = reported_metrics(unit.stage)
+        return scores
+
 
 def steps_of(units: Mapping[str, Unit[Any]]) -> dict[str, StageSteps]:
     """Return what each stage did."""
@@ -87,27 +107,6 @@ def steps_of(units: Mapping[str, Unit[Any]]) -> dict[str, StageSteps]:
     }
 
 
-def scores_of(
-    units: Mapping[str, Unit[Any]], noted: Callable[[], AbstractContextManager[None]]
-) -> dict[str, dict[str, float]]:
-    """Return the metrics of every stage that declares some.
-
-    ``noted``: returns a context that keeps the StageError of a stage whose summary fails, or holds what the stage does
-    not declare; the metrics of the other stages are returned.
-    """
-    scores = {}
-    for name, unit in units.items():
-        if type(unit.stage).summary is not Stage.summary:
-            with noted(), unit.calling("summary", (unit.last_utime - unit.start_utime) / 1e6):
-                scores[name] = reported_metrics(unit.stage)
-    return scores
-
-
-def versions() -> dict[str, str]:
-    """Return the versions that could make two machines differ."""
-    return dict(_versions())
-
-
 @cache
 def _versions() -> dict[str, str]:
     """Return them as they were when this process first asked: what it has loaded does not change."""
@@ -115,7 +114,7 @@ def _versions() -> dict[str, str]:
         "python": platform.python_version(),
         "machine": platform.machine(),
         "libc": " ".join(platform.libc_ver()),
-        INSTRUCTION_SET: used_instruction_set(),
+        Summary.INSTRUCTION_SET: used_instruction_set(),
     }
     for name in _RECORDED:
         try:

@@ -9,9 +9,8 @@ from pathlib import Path
 
 from graphnav import Graph, GraphnavError
 from graphnav.core.graph import resolved_yaml
-from graphnav.core.record import LOG
-from graphnav.core.run_folder import GRAPH
-from graphnav.core.runner import SUMMARY, Outcome, Summary, versions
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import Outcome, Summary
 from graphnav.studies.ablation.execution.study_folder import StudyFolder
 from graphnav.studies.ablation.execution.workers import Workers
 from graphnav.studies.ablation.plan import Case, CheckedStudy, Job, Plan
@@ -99,7 +98,7 @@ def execute(
         on_made(outcome)
         if outcome == Outcome.FAILED:
             job = made[result.task.folder]
-            on_failed(read_record(job.case, job.seed, folder.path / job.folder / SUMMARY))
+            on_failed(read_record(job.case, job.seed, folder.path / job.folder / RunFolder.SUMMARY))
 
 
 def perform_all(
@@ -144,15 +143,15 @@ def crashed_run_files(result: Result) -> Mapping[str, bytes]:
         notices=list(task.notices),
         tap_dropped=0,
         run_id="",
-        versions=versions(),
+        versions=Summary.versions_here(),
     )
     text = json.dumps(summary.as_json(), indent=1) + "\n"
-    return {GRAPH: task.graph_yaml.encode(), SUMMARY: text.encode()}
+    return {RunFolder.GRAPH: task.graph_yaml.encode(), RunFolder.SUMMARY: text.encode()}
 
 
 def pending_drawings(jobs: Iterable[Job], folder: StudyFolder, *, keep_logs: bool) -> list[Job]:
     """Return the failures that are still to be drawn, those among them that could not be."""
-    wanted = LOG if keep_logs else SUMMARY
+    wanted = RunFolder.LOG if keep_logs else RunFolder.SUMMARY
     places = {folder.path / failure_folder(job.case, job.seed): job for job in jobs}
     return [job for at, job in places.items() if not (at / wanted).is_file() or (at / NOT_DRAWN).is_file()]
 
@@ -192,5 +191,5 @@ def draw_failures(
 
 
 def _ending(folder: StudyFolder, job: Job, place: str) -> str:
-    record = read_record(job.case, job.seed, folder.path / place / SUMMARY)
+    record = read_record(job.case, job.seed, folder.path / place / RunFolder.SUMMARY)
     return f"{record.outcome} after {record.frames} frames"

@@ -19,7 +19,7 @@ from tempfile import gettempdir, mkdtemp
 
 from graphnav import GraphnavError
 from graphnav.core.machine import ONE_THREAD
-from graphnav.core.runner import last_call
+from graphnav.core.runner import ProgressFile
 from graphnav.studies.ablation import worker
 from graphnav.studies.ablation.worker import IDLE_S, Result, Task
 
@@ -114,7 +114,7 @@ _AHEAD = 2
 
 def _died_result(task: Task, scratch: Path) -> Result:
     """Return the result of a run whose process died; ``scratch`` is the folder in which it was made."""
-    call = last_call(scratch)
+    call = ProgressFile.last_call(scratch)
     return Result(task, {}, died=True, last_call=str(call) if call is not None else "")
 
 

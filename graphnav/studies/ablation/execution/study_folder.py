@@ -12,8 +12,9 @@ from types import TracebackType
 from typing import Self
 
 from graphnav import GraphnavError, UserError
-from graphnav.core.runner import SUMMARY, copies_of
-from graphnav.core.trust import read_plugin, remember, remember_written, request_of_plan
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import copies_of
+from graphnav.core.trust import Request, read_plugin, remember_written
 from graphnav.studies.ablation.plan import RUNS, Plan, check_compatible, load_plan, save_plan
 
 _LOCK = ".lock"
@@ -111,7 +112,9 @@ class StudyFolder(LockedFolder):
 
     def holds(self, place: str) -> bool:
         """Return whether ``place`` has a complete run."""
-        return os.path.isfile(f"{self.path}/{place}/{SUMMARY}")  # studies have many runs, for which pathlib is slow
+        return os.path.isfile(
+            f"{self.path}/{place}/{RunFolder.SUMMARY}"
+        )  # studies have many runs, for which pathlib is slow
 
     def keep(self, place: str, files: Mapping[str, bytes]) -> None:
         """Put a run's files at ``place``: all of them or, where the process is killed or the disk full, none.
@@ -146,7 +149,7 @@ def _remember(folder: Path, plan: Plan) -> None:
     """Remember the plugins of a study, and of each of its runs wherever they are made, as those of this user."""
     sources = {Path(plugin): read_plugin(Path(plugin)) for plugin in plan.plugins if os.path.isfile(plugin)}
     if sources:
-        remember(request_of_plan(folder, sources))
+        Request.of_plan(folder, sources).remember()
         remember_written(copies_of(list(sources)))
 
 

@@ -6,7 +6,8 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.core.runner import SUMMARY, Outcome
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import Outcome
 from graphnav.studies.ablation.execution.execute_jobs import TaskFactory
 from graphnav.studies.ablation.execution.workers import Workers
 from graphnav.studies.ablation.plan import Job
@@ -61,6 +62,6 @@ def _measured(jobs: Mapping[str, Job], tasks: TaskFactory, workers: Workers) -> 
     for result in workers.perform_all(tasks.short_task(job, MEASURED_S) for job in jobs.values()):
         if result.died or result.error or result.outcome == Outcome.FAILED:
             continue
-        summary = json.loads(result.files[SUMMARY])
+        summary = json.loads(result.files[RunFolder.SUMMARY])
         if summary["sim_s"] > 0:
             yield graphs[result.task.folder], summary["wall_s"] / summary["sim_s"]

@@ -12,7 +12,7 @@ from pathlib import Path
 from graphnav import Graph, Role, UserError
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import resolved_yaml
-from graphnav.core.runner import versions
+from graphnav.core.runner import Summary
 from graphnav.studies.ablation.plan.checked_cases import CaseProblems, CheckedCase, check_cases, stage_classes
 from graphnav.studies.ablation.plan.plan import RUNS, Case, Plan
 from graphnav.studies.ablation.plan.study_problems import checked_metrics, declared_metrics, study_problems
@@ -128,7 +128,7 @@ def check_study(study: Study, catalog: Catalog, command: str, plugins: Sequence[
         within=study.within,
         declared=declared_metrics(classes),
         plugins=_plugins(plugins, checked),
-        versions=versions(),
+        versions=Summary.versions_here(),
         decomposition=study.decomposition,
     )
     graphs = {case.folder: one.graph for case, one in zip(cases, checked, strict=True) if not case.same_as}

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from graphnav import Metric, Place, shown_path
-from graphnav.core.graph import Override, Target, parse_override
+from graphnav.core.graph import Override, Target
 from graphnav.core.machine import read_json, write_atomically
 from graphnav.core.stage import FormerNames, unit_of
 from graphnav.studies.ablation.plan.plan import Case, Plan
@@ -142,7 +142,7 @@ def _case(data: dict[str, Any], place: Place) -> Case:
     """Return a case of a plan; before 0.3.0 its overrides were strings for ``--set``."""
     fields = {key: _tuple(value) for key, value in data.items()}
     if "sets" in fields:
-        overrides = [parse_override(text, place) for text in fields.pop("sets")]
+        overrides = [Override.parse(text, place) for text in fields.pop("sets")]
     else:
         overrides = [Override(Target.parse(key, place), value, place) for key, value in data["overrides"].items()]
     return Case(**fields | {"overrides": tuple(overrides)})

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from graphnav import UserError
 from graphnav.core.catalog import GROUP
 from graphnav.core.machine import OPT_OUT, PORTABLE, expected_instruction_set
-from graphnav.core.runner import INSTRUCTION_SET, versions
+from graphnav.core.runner import Summary
 from graphnav.core.spec import parse_yaml
 from graphnav.studies.ablation.plan.plan import Case, Plan
 
@@ -35,7 +35,7 @@ class Difference(NamedTuple):
     @property
     def hint(self) -> str:
         """How to make both the same, empty where that depends."""
-        if self.name != INSTRUCTION_SET:
+        if self.name != Summary.INSTRUCTION_SET:
             return ""
         if self.old == PORTABLE:
             return f"run without --no-portable, and without {OPT_OUT}=0 in the environment"
@@ -45,7 +45,7 @@ class Difference(NamedTuple):
 def with_versions(plan: Plan) -> Plan:
     """Return the plan with all that its runs depend on: versions, and the code of its stages."""
     families = {use.partition(".")[0] for case in plan.cases for use in case.uses.values()}
-    versions = provenance(families, plan.plugins) | {INSTRUCTION_SET: expected_instruction_set()}
+    versions = provenance(families, plan.plugins) | {Summary.INSTRUCTION_SET: expected_instruction_set()}
     return replace(plan, versions=versions)
 
 
@@ -55,7 +55,7 @@ def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str
     ``families``: those of the stages, whose packages are hashed; ``plugins``: one-file plugins.
     """
     code = {f"{CODE}{family}": _hash(files) for family in sorted(families) if (files := _files_of(family))}
-    return {**versions(), **code, **{plugin: _hash([Path(plugin)]) for plugin in plugins}}
+    return {**Summary.versions_here(), **code, **{plugin: _hash([Path(plugin)]) for plugin in plugins}}
 
 
 def difference_here(wanted: tuple[tuple[str, str], ...], plugins: tuple[str, ...]) -> Difference | None:

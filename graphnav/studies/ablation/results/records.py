@@ -10,8 +10,8 @@ from typing import Any, Protocol
 
 from graphnav import Metric, Problem, UserError, shown_path
 from graphnav.core.machine import read_json
-from graphnav.core.run_folder import LOG
-from graphnav.core.runner import SUMMARY, Outcome
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import Outcome
 from graphnav.core.stage import FormerNames
 from graphnav.studies.ablation.plan import RUNS, Case, Job, Plan
 
@@ -130,7 +130,7 @@ def read_records(plan: Plan, folder: Path) -> tuple[Record, ...]:
     records, problems = [], dict[Path, Problem]()
     for case in plan.cases:
         for seed in plan.seeds_of(case):
-            path = folder / case.folder / str(seed) / SUMMARY
+            path = folder / case.folder / str(seed) / RunFolder.SUMMARY
             try:
                 record = read_record(case, seed, path)
             except FileNotFoundError:
@@ -221,7 +221,7 @@ def failed_run_text(record: Record, folder: Path) -> str:
     A run whose process died has no log; its summary is named.
     """
     at = folder / record.folder
-    file = at / LOG if (at / LOG).is_file() else at / SUMMARY
+    file = at / RunFolder.LOG if (at / RunFolder.LOG).is_file() else at / RunFolder.SUMMARY
     return f"failed: {record.graph}, {record.variant}, seed {record.seed}: {record.failure}\n  {shown_path(file)}"
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from graphnav import Place, Problem, UserError, Value, shown_path
-from graphnav.core.graph import Override, Target, find_graph, parse_override
+from graphnav.core.graph import Override, Target, find_graph
 from graphnav.core.spec import parse_scalar, write_value
 from graphnav.studies.ablation.study.find_study import find, read
 from graphnav.studies.ablation.study.study import Axis, Choice, Study
@@ -77,7 +77,7 @@ class OverrideReader:
     def _texts(self, texts: Iterable[tuple[str, Place]]) -> Iterable[Override]:
         for text, place in texts:
             try:
-                yield replace(parse_override(text, place), folder=self.folder)
+                yield replace(Override.parse(text, place), folder=self.folder)
             except UserError as error:
                 self.problems.extend(error.problems)
 

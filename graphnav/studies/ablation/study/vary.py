@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from graphnav import Place, Problem, UserError, did_you_mean
-from graphnav.core.graph import Override, Target, parse_override, parse_value
+from graphnav.core.graph import Override, Target, parse_value
 from graphnav.core.spec import write_value
 from graphnav.studies.ablation.study.study import Axis, Choice
 
@@ -149,7 +149,7 @@ def _parse(text: str, place: Place) -> Vary:
 def _value(text: str, place: Place) -> VaryValue:
     override = None
     with suppress(UserError):
-        override = parse_override(text, place)
+        override = Override.parse(text, place)
     return VaryValue(parse_value(text, place), text, place, override)
 
 

@@ -14,8 +14,8 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import DrawingError, LogError, StageError
 from graphnav.core.graph import graph_of
 from graphnav.core.pictures import drawing
-from graphnav.core.record import LOG
 from graphnav.core.report import draw_all
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome, StallLimit, Summary, run_recorded
 from graphnav.studies import parameters
 from graphnav.studies.ablation.plan import difference_here
@@ -111,7 +111,7 @@ def _perform(task: Task, scratch: Path, send: Callable[[Result], None]) -> Resul
 def _result(task: Task, scratch: Path, outcome: str) -> Result:
     """Return the files of a finished run."""
     if not task.keeps_log:
-        (scratch / LOG).unlink()
+        (scratch / RunFolder.LOG).unlink()
     made = [path for path in sorted(scratch.rglob("*")) if path.is_file()]
     files = {path.relative_to(scratch).as_posix(): path.read_bytes() for path in made}
     return Result(task, files, outcome=outcome)
@@ -121,12 +121,12 @@ def _draw(catalog: Catalog, scratch: Path) -> None:
     """Draw a run and its end; a picture that a plugin cannot draw costs no other."""
     errors = []
     try:
-        with Recording(scratch / LOG) as recording:
+        with Recording(scratch / RunFolder.LOG) as recording:
             draw_all(catalog, recording, scratch)
     except DrawingError as error:
         errors.append(str(error))
     try:
-        with Recording(scratch / LOG) as recording, drawing():
+        with Recording(scratch / RunFolder.LOG) as recording, drawing():
             catalog.hook.graphnav_draw_end(recording=recording, file=scratch / ENDING)
     except DrawingError as error:
         errors.append(str(error))

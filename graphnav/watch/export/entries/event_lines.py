@@ -8,7 +8,6 @@ from typing import Any
 
 from graphnav import About, GuardState, Message, Recording, State, Stop, UserError
 from graphnav.core.machine import read_json
-from graphnav.core.record import ABOUT
 from graphnav.core.spec import parse_yaml
 from graphnav.watch.export.entries.entries import Level, Line
 
@@ -56,7 +55,7 @@ def heading(about: About | None) -> str:
     if about is None:
         return ""
     try:
-        graph = parse_yaml(about.graph_yaml.encode(), ABOUT)[0].plain()
+        graph = parse_yaml(about.graph_yaml.encode(), About.CHANNEL)[0].plain()
     except UserError:
         graph = None
     description = graph.get("about") if isinstance(graph, dict) else None

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphnav.core.fields import plain
 from graphnav.watch.feed import GuardHealth, Health, RunHealth
+from graphnav.watch.fields.plain_values import plain
 
 
 def health_as_json(health: Health, feed: str) -> dict[str, Any]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from graphnav.core.bus import require_route, with_defaults
+from graphnav import About
+from graphnav.core.bus import Bus
 from graphnav.core.errors import shown_name
-from graphnav.core.record import ABOUT, ThreadedLogWriter
+from graphnav.core.record import ThreadedLogWriter
 from graphnav.watch.feed import Feed, LiveFeed, Received, Watch, WatchedChannel
 from graphnav.watch.spy.watch.row import Row, row_of
 from graphnav.watch.spy.watch.silence_reasons import nothing_received, why_empty
@@ -48,7 +49,7 @@ class LiveWatch:
 
     def start(self) -> None:
         """Start receiving; raises BusError if there is no multicast route."""
-        require_route(with_defaults(self.name))
+        Bus.require_route(Bus.with_defaults(self.name))
         self._feed.start()
 
     def close(self) -> None:
@@ -128,9 +129,9 @@ class LiveWatch:
         """
         writer = ThreadedLogWriter(path)
         with self._feed.lock:
-            about = self._watch.newest(ABOUT)
+            about = self._watch.newest(About.CHANNEL)
             if about is not None:
-                self._write(writer, Received(ABOUT, about.data, time.monotonic()))
+                self._write(writer, Received(About.CHANNEL, about.data, time.monotonic()))
             self._writer = writer
 
     def stop_recording(self) -> str:

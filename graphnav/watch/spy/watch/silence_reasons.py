@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from graphnav.core.large_messages import PACKET_BYTES
-from graphnav.core.machine import RECEIVE_BUFFER_BYTES
+from graphnav.core.machine import ReceiveBuffer
 from graphnav.watch.feed import WatchedChannel
 from graphnav.watch.spy.traffic_report import size_of
 
@@ -23,7 +23,7 @@ def why_empty(channel: WatchedChannel, for_s: float) -> str:
     if not channel.count:
         return (
             f"announced, but not received for {for_s:.0f} s: not published yet, or fragments were lost\n"
-            f"messages above one packet need a receive buffer of {RECEIVE_BUFFER_BYTES} bytes: {_DOCTOR}"
+            f"messages above one packet need a receive buffer of {ReceiveBuffer.REQUESTED_BYTES} bytes: {_DOCTOR}"
         )
     if not channel.decodes:
         if channel.is_unknown:

@@ -12,10 +12,11 @@ import numpy as np
 from graphnav import Message, PictureContext
 from graphnav.arrays import Bytes
 from graphnav.core.codec import DecodeError, codec_of, decode, message_class_of
-from graphnav.core.fields import plain, summarised
+from graphnav.core.field_summary import summarised
 from graphnav.core.pictures import Pictures
 from graphnav.core.record import Kind
 from graphnav.watch.feed import Received
+from graphnav.watch.fields.plain_values import plain
 from graphnav.watch.view.content.moment import Moment
 
 M = TypeVar("M", bound=Message)

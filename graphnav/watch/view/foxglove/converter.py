@@ -9,7 +9,7 @@ from graphnav import About, GraphnavError, Map, Message, Odometry, State
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of
 from graphnav.core.pictures import Pictures
-from graphnav.core.record import ABOUT, kind_of
+from graphnav.core.record import kind_of
 from graphnav.watch.export.entries.entries import Level, Line, Scalars, World
 from graphnav.watch.export.entries.event_lines import LINE_TYPES, Lines, heading
 from graphnav.watch.export.entries.message_entries import MessageEntries
@@ -92,7 +92,7 @@ class Converter:
 
     def _receive(self, arrival: Arrival, *, is_drawn: bool) -> None:
         self._now_us = arrival.utime
-        if arrival.channel == ABOUT:
+        if arrival.channel == About.CHANNEL:
             self._receive_about(arrival)
         kind = kind_of(arrival.data)
         if kind is None:

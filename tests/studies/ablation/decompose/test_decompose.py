@@ -7,7 +7,7 @@ import pytest
 import graphnav
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Problem, UserError
-from graphnav.core.graph import parse_overrides, without_replaced
+from graphnav.core.graph import Override, without_replaced
 from graphnav.studies.ablation.decompose import decomposed_study
 from graphnav.studies.ablation.plan import Plan, check_study
 from graphnav.studies.ablation.plan.plan_file import load_plan, save_plan
@@ -168,7 +168,7 @@ def test_each_variant_drives_itself_where_no_oracle_can_drive_for_all(tmp_path: 
 @pytest.mark.parametrize("text", ["plane=plane.affine", "steer=steer.balance"])
 def test_an_oracle_takes_the_place_of_a_stage_that_was_put_in_for_all(text: str) -> None:
     problems: list[Problem] = []
-    overrides = parse_overrides([text], problems)
+    overrides = Override.parse_all([text], problems)
     asked = study_of_command(["corridor_ccw"], seeds="0:2", overrides=overrides, may_vary_nothing=True)
     stage, _, use = text.partition("=")
     plan = check_study(decomposed_study(asked, CATALOG), CATALOG, "graphnav ablate ...").plan
@@ -179,7 +179,7 @@ def test_an_oracle_takes_the_place_of_a_stage_that_was_put_in_for_all(text: str)
 
 
 def test_of_a_swap_of_several_stages_the_others_stay() -> None:
-    swap, setting, later = parse_overrides(["flow,back=flow.dis", "flow.gain=2", "flow=flow.truth"], [])
+    swap, setting, later = Override.parse_all(["flow,back=flow.dis", "flow.gain=2", "flow=flow.truth"], [])
     (kept, other) = without_replaced([swap, setting], [later])
     assert (str(kept.target), kept.value, other) == ("back", "flow.dis", setting)
 

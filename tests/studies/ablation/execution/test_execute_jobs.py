@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from graphnav import Recording
-from graphnav.core.record import LOG
+from graphnav.core.run_folder import RunFolder
 from graphnav.studies.ablation.execution.execute_jobs import DIED
 
 FINE = 2
@@ -24,7 +24,7 @@ def test_the_runs_and_the_tables_are_there(study: Any, capsys: pytest.CaptureFix
     assert [float(row["drive.way_m"]) for row in study.rows] == [15, 10, 15, 3, 1, 1, 15, 1]
     assert not (study.out / ".scratch").exists()
     assert "contact 3, goal 1" in capsys.readouterr().out
-    with Recording(study.out / "runs" / "toy" / "robot.odd=contact" / "2" / LOG) as log:
+    with Recording(study.out / "runs" / "toy" / "robot.odd=contact" / "2" / RunFolder.LOG) as log:
         assert log.truncated is None
         assert log.count("robot.twist") == 6
 

@@ -10,7 +10,7 @@ import pytest
 
 import graphnav
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import Graph, load, parse_override
+from graphnav.core.graph import Graph, Override, load
 from graphnav.core.graph.check import check
 from graphnav.core.spec import Spec
 from graphnav.studies.ablation.execution.execute_jobs import TaskFactory
@@ -47,7 +47,7 @@ def test_a_study_loads_the_graph_of_each_case_once(loads: Loads, tmp_path: Path)
 
 def test_a_worker_loads_the_graph_of_a_case_once(loads: Loads, tmp_path: Path) -> None:
     varies = parse_varies([f"plane={','.join(RIVALS[:2])}"], [])
-    overrides = [parse_override("run.until_s=0.2")]
+    overrides = [Override.parse("run.until_s=0.2")]
     study = study_of_command(["corridor_ccw"], varies=varies, overrides=overrides, seeds="0:3")
     checked = check_study(study, Catalog(), "")
     tasks, before = TaskFactory(checked), loads()

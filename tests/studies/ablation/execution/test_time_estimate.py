@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import parse_override
+from graphnav.core.graph import Override
 from graphnav.studies.ablation.execution import TaskFactory, TimeEstimate, estimate_time, local_workers
 from graphnav.studies.ablation.plan import CheckedStudy, check_study
 from graphnav.studies.ablation.results import Record
@@ -23,7 +23,7 @@ def checked(study: Any) -> CheckedStudy:
     catalog = Catalog()
     catalog.add_file(Path(study.plugin))
     varies = parse_varies(["robot.odd=fine,contact"], [])
-    overrides = [parse_override("robot.times=100")]
+    overrides = [Override.parse("robot.times=100")]
     asked = study_of_command(["toy"], varies=varies, overrides=overrides, seeds="0:10")
     return check_study(asked, catalog, "", [Path(study.plugin)])
 

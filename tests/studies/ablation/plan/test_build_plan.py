@@ -9,7 +9,7 @@ import pytest
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Problem, UserError
-from graphnav.core.graph import load_graph, parse_override, parse_overrides, resolved_yaml
+from graphnav.core.graph import Override, load_graph, resolved_yaml
 from graphnav.core.spec import write_value
 from graphnav.studies.ablation.plan.build_plan import check_study
 from graphnav.studies.ablation.plan.plan import Plan
@@ -47,7 +47,7 @@ def plan(judges: Catalog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ma
         **options: Sequence[str],
     ) -> Plan:
         problems: list[Problem] = []
-        changes, overrides = parse_varies(varies, problems), parse_overrides(sets, problems)
+        changes, overrides = parse_varies(varies, problems), Override.parse_all(sets, problems)
         study = study_of_command(
             names,
             varies=changes,
@@ -96,7 +96,7 @@ def test_a_case_is_the_graph_with_its_sets(plan: MakePlan, judges: Catalog) -> N
     made = plan("plane=toy.detector,judge.blind", sets=["robot.noise_px=1"], names=("loop", "chain"))
     for case in made.cases:
         graph = load_graph(case.graph, judges, case.overrides)
-        assert case.overrides[0] == parse_override("robot.noise_px=1")
+        assert case.overrides[0] == Override.parse("robot.noise_px=1")
         assert case.graph_yaml == resolved_yaml(graph)
         assert case.uses == {node.name: node.use for node in graph.nodes}
         assert list(case.uses) == [node.name for node in graph.nodes]
@@ -215,7 +215,7 @@ def test_paths_of_the_command_line_are_those_of_the_working_folder(plan: MakePla
         (tmp_path / name).touch()
     (tmp_path / "lab/study.yaml").write_text(STUDY, encoding="utf-8")
     made = plan("robot.map=there.yaml,here.yaml", names=("lab/study.yaml",))
-    assert made.cases[1].overrides == (parse_override("robot.map=here.yaml"),)
+    assert made.cases[1].overrides == (Override.parse("robot.map=here.yaml"),)
 
 
 def test_words_that_are_no_paths_stay_whatever_lies_beside_the_study(plan: MakePlan, tmp_path: Path) -> None:
@@ -223,7 +223,7 @@ def test_words_that_are_no_paths_stay_whatever_lies_beside_the_study(plan: MakeP
     (tmp_path / "lab/otsu").touch()
     text = "graph: loop\nvary: {plane.rule: [otsu, mad]}\n"
     (tmp_path / "lab/study.yaml").write_text(text, encoding="utf-8")
-    assert plan(names=("lab/study.yaml",)).cases[0].overrides == (parse_override("plane.rule=otsu"),)
+    assert plan(names=("lab/study.yaml",)).cases[0].overrides == (Override.parse("plane.rule=otsu"),)
 
 
 def test_a_missing_path_beside_the_study_is_said_at_its_value(plan: MakePlan, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Problem, UserError
-from graphnav.core.graph import parse_overrides
+from graphnav.core.graph import Override
 from graphnav.core.spec import write_value
 from graphnav.studies.ablation.plan.build_plan import check_study
 from graphnav.studies.ablation.study.command_line import study_of_command
@@ -110,7 +110,7 @@ def check(catalog: Catalog, tree: object, varies: list[str], sets: list[str]) ->
     Path("study.yaml").write_text(write_value(tree), encoding="utf-8")
     try:
         problems: list[Problem] = []
-        changes, overrides = parse_varies(varies, problems), parse_overrides(sets, problems)
+        changes, overrides = parse_varies(varies, problems), Override.parse_all(sets, problems)
         study = study_of_command(["study.yaml"], varies=changes, overrides=overrides, problems=problems)
         plan = check_study(study, catalog, "").plan
     except UserError:

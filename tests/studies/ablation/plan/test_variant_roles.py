@@ -4,7 +4,7 @@ import pytest
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Problem
-from graphnav.core.graph import load_graph, parse_overrides
+from graphnav.core.graph import Override, load_graph
 from graphnav.studies.ablation.plan.build_plan import check_study, variant_roles
 from graphnav.studies.ablation.plan.checked_cases import CaseProblems, CheckedCase, check_cases
 from graphnav.studies.ablation.plan.upstream import driving_stages, measured_stages
@@ -21,7 +21,7 @@ def roles(graphs: str, *varies: str, sets: tuple[str, ...] = (), metrics: tuple[
     study = study_of_command(
         graphs.split(),
         varies=parse_varies(varies, problems),
-        overrides=parse_overrides(sets, problems),
+        overrides=Override.parse_all(sets, problems),
         seeds="0:2",
         problems=problems,
         metrics=metrics,

@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 
 from graphnav.core.errors import UserError
-from graphnav.core.graph import parse_override
+from graphnav.core.graph import Override
 from graphnav.studies.ablation.plan.variants import MAX_CASES, count_variants, expand
 from graphnav.studies.ablation.study.study import Axis, Choice, Study
 
 
 def axis(name: str, *labels: str) -> Axis:
-    return Axis(name, tuple(Choice(label, (parse_override(f"{name}={label}"),)) for label in labels))
+    return Axis(name, tuple(Choice(label, (Override.parse(f"{name}={label}"),)) for label in labels))
 
 
 def study(*axes: Axis, one_at_a_time: bool = False, graphs: tuple[str, ...] = ("g",)) -> Study:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from graphnav.core.errors import Problem, UserError
-from graphnav.core.graph import Override, parse_overrides
+from graphnav.core.graph import Override
 from graphnav.studies.ablation.study.command_line import study_of_command
 from graphnav.studies.ablation.study.study import Choice, Study
 from graphnav.studies.ablation.study.vary import parse_varies, split_values
@@ -45,7 +45,7 @@ def study(*varies: str, names: tuple[str, ...] = ("mine",), sets: tuple[str, ...
 def asked(names: Sequence[str], *, varies: Sequence[str] = (), sets: Sequence[str] = (), **options: Any) -> Study:
     """Return the study of a command line with ``--vary`` and ``--set`` options."""
     problems: list[Problem] = []
-    changes, overrides = parse_varies(varies, problems), parse_overrides(sets, problems)
+    changes, overrides = parse_varies(varies, problems), Override.parse_all(sets, problems)
     return study_of_command(names, varies=changes, overrides=overrides, problems=problems, **options)
 
 

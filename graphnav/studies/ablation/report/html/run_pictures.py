@@ -12,7 +12,7 @@ from markupsafe import Markup
 from graphnav import GraphnavError, Recording
 from graphnav.core.errors import DrawingError
 from graphnav.core.pictures import DRAWING_FAMILY, drawing
-from graphnav.core.run_folder import LOG
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome
 from graphnav.studies.ablation.report.html.rendering import counted, embedded_picture, rendered
 from graphnav.studies.ablation.report.html.study_results import StudyResults, badge_of, colours_of
@@ -110,7 +110,7 @@ def _drawn(study: StudyResults, runs: Sequence[Record], colours: dict[str, str],
         recordings = {
             run.variant: stack.enter_context(Recording(log))
             for run in reversed(runs)
-            if (log := study.folder / run.folder / LOG).is_file()
+            if (log := study.folder / run.folder / RunFolder.LOG).is_file()
         }
         if not recordings:
             return None

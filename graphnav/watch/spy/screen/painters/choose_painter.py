@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-from graphnav.core.machine import CellSize, TerminalGraphics, cell_size_px, query_terminal
+from graphnav.core.machine import TerminalGraphics
 from graphnav.watch.spy.screen.painters.block_painter import BlockPainter
 from graphnav.watch.spy.screen.painters.kitty_painter import KittyPainter
 from graphnav.watch.spy.screen.painters.painter import Painter
@@ -21,10 +21,10 @@ def painters(choice: str) -> Callable[[], Painter]:
     ``choice``: ``blocks``, ``sixel``, ``kitty``, or ``auto`` for the best one that the terminal confirms.
     Queries the terminal, so call it before anything else reads from the terminal.
     """
-    graphics = TerminalGraphics() if choice == "blocks" else query_terminal() or TerminalGraphics()
+    graphics = TerminalGraphics() if choice == "blocks" else TerminalGraphics.query() or TerminalGraphics()
 
-    def cell_px() -> CellSize:
-        return cell_size_px() or graphics.cell_px or _VT340_CELL_PX
+    def cell_px() -> tuple[int, int]:
+        return TerminalGraphics.cell_size_px() or graphics.cell_px or _VT340_CELL_PX
 
     if choice == "auto":
         choice = _best(graphics)
@@ -41,4 +41,4 @@ def _best(graphics: TerminalGraphics) -> str:
         return "blocks"
     if graphics.kitty:
         return "kitty"
-    return "sixel" if graphics.sixel and (cell_size_px() or graphics.cell_px) else "blocks"
+    return "sixel" if graphics.sixel and (TerminalGraphics.cell_size_px() or graphics.cell_px) else "blocks"

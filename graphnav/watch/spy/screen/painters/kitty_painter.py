@@ -10,7 +10,6 @@ from collections.abc import Callable
 from textual.strip import Strip
 
 from graphnav.arrays import Bytes
-from graphnav.core.machine import CellSize
 from graphnav.watch.spy.graphics.kitty import delete, put
 from graphnav.watch.spy.screen.painters.painter import Cells, centred
 from graphnav.watch.spy.screen.painters.raw_strips import raw_strips
@@ -30,7 +29,7 @@ class KittyPainter:
 
     is_raw = True
 
-    def __init__(self, cell_px: Callable[[], CellSize]) -> None:
+    def __init__(self, cell_px: Callable[[], tuple[int, int]]) -> None:
         self._cell_px = cell_px
         self._next_id, self._other_id = next(_IDS), next(_IDS)
         self._shown_id = 0

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from textual.strip import Strip
 
 from graphnav.arrays import Bytes
-from graphnav.core.machine import CellSize
 from graphnav.watch.spy.graphics.sixel import SCALES, sixels
 from graphnav.watch.spy.screen.painters.painter import Cells, centred
 from graphnav.watch.spy.screen.painters.raw_strips import raw_strips
@@ -23,7 +22,7 @@ class SixelPainter:
 
     is_raw = True
 
-    def __init__(self, cell_px: Callable[[], CellSize], n_colours: int) -> None:
+    def __init__(self, cell_px: Callable[[], tuple[int, int]], n_colours: int) -> None:
         self._cell_px = cell_px
         self._n_colours = n_colours
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import parse_override
+from graphnav.core.graph import Override
 from graphnav.core.stage import Metric, Role
 from graphnav.studies.ablation.plan.plan import Case, Plan
 from graphnav.studies.ablation.report.html.page import write_report
@@ -72,7 +72,7 @@ def plan_of(
             source=graph,
             variant=variant,
             labels={axis: variant},
-            overrides=(parse_override(f"plane={variant}"),),
+            overrides=(Override.parse(f"plane={variant}"),),
             is_base=place == 0,
             role=role,
             folder=f"runs/{graph}/{shared.get(variant, variant)}",

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from graphnav.core.errors import Place, UserError
+from graphnav import Place, UserError
 
 Index = int | slice
 

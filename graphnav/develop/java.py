@@ -10,9 +10,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav.core.errors import GraphnavError
-from graphnav.core.typeinfo.definitions import definition_files
-from graphnav.core.typeinfo.lcm_files import file_of_lcm
+from graphnav import GraphnavError
+from graphnav.core.typeinfo import definition_files, file_of_lcm
 
 JAR = "types.jar"
 _DEFAULT_PACKAGE = "lcmtypes"

@@ -6,7 +6,7 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav.core.errors import UserError
+from graphnav import UserError
 
 _FULL = {
     "apt-get": "apt-get install -y default-jdk",

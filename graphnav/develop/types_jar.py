@@ -10,11 +10,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
-from graphnav.core.errors import UserError
-from graphnav.core.machine.jdk import require_jdk
-from graphnav.core.machine.user_folders import no_user_folder, user_folder
-from graphnav.core.typeinfo.definitions import definition_files
-from graphnav.core.typeinfo.java import write_java
+from graphnav import UserError
+from graphnav.core.machine import no_user_folder, user_folder
+from graphnav.core.typeinfo import definition_files
+from graphnav.develop.java import write_java
+from graphnav.develop.jdk import require_jdk
 
 _CACHE: Final = "XDG_CACHE_HOME"
 

@@ -6,10 +6,9 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 
-from graphnav.core.codec import fields_of, lcm_name
-from graphnav.core.codec.layout import Dim, Field
-from graphnav.core.errors import Place, UserError, did_you_mean
-from graphnav.core.fields.field_path import FieldPath, Index, Step, path_of
+from graphnav import Place, UserError, did_you_mean
+from graphnav.core.codec import Dim, Field, fields_of, lcm_name
+from graphnav.watch.fields.field_path import FieldPath, Index, Step, path_of
 
 _MAX_COLUMNS = 1000
 _MAX_SMALL = 16

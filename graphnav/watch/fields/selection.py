@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from graphnav.core.fields.field_columns import check_path
-from graphnav.core.fields.field_path import MISSING, FieldPath
+from graphnav.watch.fields.field_columns import check_path
+from graphnav.watch.fields.field_path import MISSING, FieldPath
 
 
 class Selection:

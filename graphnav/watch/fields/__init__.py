@@ -1,0 +1,1 @@
+"""The fields of messages by name: paths, columns, selections, plain values."""
