@@ -19,6 +19,8 @@ import numpy as np
 import pytest
 from PIL import Image as PilImage
 
+from graphnav.core.cli import main
+
 from .spy_app import write_log
 
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
@@ -222,9 +224,7 @@ def test_half_blocks_are_the_safe_choice(start: Start, environment: dict[str, st
     assert not SIXELS.search(terminal.shown)
 
 
-def test_what_no_terminal_has_is_a_users_error(log: Path) -> None:
-    done = subprocess.run(
-        [GRAPHNAV, "spy", str(log), "--graphics", "iterm"], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 2
-    assert "invalid choice: 'iterm'" in done.stderr
+def test_what_no_terminal_has_is_a_users_error(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["spy", str(log), "--graphics", "iterm"])
+    assert "invalid choice: 'iterm'" in capsys.readouterr().err

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -161,12 +161,15 @@ def _obstacle(floor: Doubles) -> Bools:
     return away > HALF_WIDTH_M
 
 
+@cache
+def _texture() -> Floats:
+    noise = np.random.default_rng(3).uniform(0, 255, (512, 512, 3)).astype(np.float32)
+    return np.clip((cv2.GaussianBlur(noise, (0, 0), 1.5) - 127) * 3 + 127, 0, 255)
+
+
 def _picture(floor: Doubles) -> Bytes:
-    rng = np.random.default_rng(3)
-    texture = cv2.GaussianBlur(rng.uniform(0, 255, (512, 512, 3)).astype(np.float32), (0, 0), 1.5)
-    texture = np.clip((texture - 127) * 3 + 127, 0, 255)
     at = np.mod(floor * 100, 511).astype(np.float32)
-    seen = cv2.remap(texture, at[..., 0], at[..., 1], cv2.INTER_LINEAR)
+    seen = cv2.remap(_texture(), at[..., 0], at[..., 1], cv2.INTER_LINEAR)
     seen *= np.where(_obstacle(floor)[..., None], np.array([0.5, 0.6, 0.9]), np.array([0.9, 0.85, 0.75]))
     return np.asarray(np.clip(seen, 0, 255), np.uint8)
 

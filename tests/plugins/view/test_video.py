@@ -50,7 +50,7 @@ def test_it_has_every_frame_at_the_camera_s_rate(record: Record, tmp_path: Path)
 
 
 def test_the_robot_moves_on_the_map(record: Record, tmp_path: Path) -> None:
-    frames, _ = read(write_video(record(frames=80), tmp_path / "video.mp4"))
+    frames, _ = read(write_video(record(frames=40), tmp_path / "video.mp4"))
     ink_of = [near(frame[frame.shape[0] // 2 + 10 : -40, frame.shape[1] // 2 :], style.ROBOT).sum() for frame in frames]
     assert ink_of[-1] > 1.5 * ink_of[1]
 
