@@ -56,7 +56,8 @@ def shortened(script: str) -> str:
         if "--pace" not in line and "--live" not in line:
             line = re.sub(r"(--until |until_s=)\d+\b", r"\g<1>1", line)  # noqa: PLW2901
         line = re.sub(r"(--seeds )(\d+):\d+", lambda found: f"{found[1]}{found[2]}:{int(found[2]) + 2}", line)  # noqa: PLW2901
-        lines.append(re.sub(r"^graphnav ablate ", "graphnav ablate --gallery 1 ", line))
+        until = "" if "until_s=" in line else "--set run.until_s=1 "
+        lines.append(re.sub(r"^graphnav ablate (?!--)", f"graphnav ablate --gallery 1 {until}", line))
     return "\n".join(lines)
 
 
