@@ -164,7 +164,8 @@ def _obstacle(floor: Doubles) -> Bools:
 @cache
 def _texture() -> Floats:
     noise = np.random.default_rng(3).uniform(0, 255, (512, 512, 3)).astype(np.float32)
-    return np.clip((cv2.GaussianBlur(noise, (0, 0), 1.5) - 127) * 3 + 127, 0, 255)
+    texture: Floats = np.clip((cv2.GaussianBlur(noise, (0, 0), 1.5) - 127) * 3 + 127, 0, 255)
+    return texture
 
 
 def _picture(floor: Doubles) -> Bytes:
