@@ -63,14 +63,15 @@ class Bare:
         (utime, image, flow), self._seen = self._seen, None
         stages = self._stages
         since, self._samples = Since(tuple(self._samples)), []
-        motion = stages["motion"].step(flow, since, utime)
+        motion, check = stages["motion"].step(flow, since, utime)
         if motion is None:
             return
         planar = stages["planar"].step(flow, motion)
-        plane = stages["plane"].step(flow, planar, utime)
+        plane = stages["plane"].step(flow, planar, utime).plane
         nothing: Latest[Any] = Latest(is_connected=False)
-        command = stages["control"].step(stages["steer"].step(plane, nothing, nothing).steering, utime)
-        guarded = stages["guard"].step(command, Latest(plane, 0.0), Latest(image, 0.0), nothing, nothing, utime, 0.0)
+        command = stages["control"].step(stages["steer"].step(plane, nothing, nothing).steering, nothing, utime)
+        sampled = (Latest(message, 0.0) for message in (plane, image, flow, motion, check))
+        guarded = stages["guard"].step(command, *sampled, nothing, nothing, utime, 0.0)
         out = twist_t()
         out.utime, out.v_mps, out.omega_radps = utime, guarded.twist.v_mps, guarded.twist.omega_radps
         self._lcm.publish("BASE_CMD", out.encode())

@@ -17,17 +17,18 @@ import bench_tick
 import bench_ticks
 import cv2
 from reference_version import reference_python
+from taking_turns import Ratio
 from threadpoolctl import threadpool_limits
 
 REPORTING_SEEDS = range(1000, 1020)
 
 
 @dataclass(frozen=True)
-class Ratio:
+class Judged:
     """A measured value and its limit, a maximum, or a minimum if ``at_least``; 0 or infinity where there is none."""
 
     name: str
-    value: float
+    value: float | Ratio
     limit: float
     detail: str = ""
     at_least: bool = False
@@ -35,10 +36,11 @@ class Ratio:
     @property
     def is_met(self) -> bool:
         """Whether the value is within its limit."""
-        return self.value >= self.limit if self.at_least else self.value <= self.limit
+        value = self.value.median if isinstance(self.value, Ratio) else self.value
+        return value >= self.limit if self.at_least else value <= self.limit
 
 
-def ratios() -> Iterator[Ratio]:
+def ratios() -> Iterator[Judged]:
     """Measure the ratios one after the other."""
     yield from _messages()
     yield from _rendering()
@@ -47,10 +49,11 @@ def ratios() -> Iterator[Ratio]:
     yield from _ticks()
     yield from _studies()
     start = bench_start.measure()
-    yield Ratio("graphnav --help / python -c pass", start["ratio"], 12, f"{start['graphnav --help, ms']:.0f} ms")
+    ours, bare = bench_start.OURS, bench_start.BARE
+    yield Judged(f"{ours} / {bare}", start.ratio(ours, bare), 12, f"{1e3 * start.median(ours):.0f} ms")
 
 
-def _messages() -> Iterator[Ratio]:
+def _messages() -> Iterator[Judged]:
     for scores in (True, False):
         tick = bench_tick.measure(scores=scores)
         name = "tick beyond the steps / hand-written loop" + ("" if scores else ", no scores")
@@ -58,32 +61,33 @@ def _messages() -> Iterator[Ratio]:
             f"{tick['beyond the steps, ms']:.3f} ms against {tick['hand-written, ms']:.3f} ms for "
             f"{tick['kB a tick']:.0f} kB; bare loop {tick['bare loop, ms']:.3f} ms"
         )
-        yield Ratio(name, tick["ratio"], 1.3, detail)
+        yield Judged(name, tick["ratio"], 1.3, detail)
     warm = bench_tick.measure(stepping=False)
     detail = f"{warm['beyond the steps, ms']:.3f} ms against {warm['hand-written, ms']:.3f} ms"
-    yield Ratio("  both without the steps between the messages", warm["ratio"], math.inf, detail)
+    yield Judged("  both without the steps between the messages", warm["ratio"], math.inf, detail)
     tapped = bench_tick.measure(tapped=True)
-    yield Ratio("  with the tap / without it", tapped["tap ratio"], 1.1, f"{tapped['tapped, ms']:.3f} ms with it")
-    encode, lcm_encode, decode, lcm_decode = bench_codec.measure(bench_codec.flow_of(480, 640), 9)
-    yield Ratio("lcm-gen decode / ours, 640x480 flow", lcm_decode / decode, 50, f"ours {decode:.0f} us", at_least=True)
-    yield Ratio("lcm-gen encode / ours, 640x480 flow", lcm_encode / encode, 5, f"ours {encode:.0f} us", at_least=True)
+    yield Judged("  with the tap / without it", tapped["tap ratio"], 1.1, f"{tapped['tapped, ms']:.3f} ms with it")
+    codec = bench_codec.measure(bench_codec.flow_of(480, 640), 9)
+    for ours, theirs, limit in bench_codec.TARGETS:
+        detail = f"ours {1e6 * codec.median(ours):.0f} us"
+        yield Judged(f"{theirs} / ours, 640x480 flow", codec.ratio(theirs, ours), limit, detail, at_least=True)
 
 
-def _rendering() -> Iterator[Ratio]:
+def _rendering() -> Iterator[Judged]:
     for cols, rows, limit in ((160, 120, 0.35), (320, 240, 0.25)):
         cost = bench_render.measure(cols, rows)
         name = f"render with truth / Farneback, {cols}x{rows}"
-        yield Ratio(name, cost.ratio, limit, f"{cost.render_ms:.2f} ms, {cost.faces} faces in view")
+        yield Judged(name, cost.ratio, limit, f"{cost.render_ms:.2f} ms, {cost.faces} faces in view")
 
 
-def _flow() -> Iterator[Ratio]:
+def _flow() -> Iterator[Judged]:
     stages = bench_flow.estimators()
     both = {name: stages[name] for name in ("lucas_kanade", "farneback")}
     for turn, limit in (("straight", 0.85), ("turning", 1.0)):
         steps = bench_flow.collect(bench_flow.TURNS_RADPS[turn], REPORTING_SEEDS)
         errors = {name: bench_flow.endpoint_error_px(stage, steps) for name, stage in both.items()}
         detail = f"{errors['lucas_kanade']:.3f} px on {len(steps)} frames"
-        yield Ratio(
+        yield Judged(
             f"Lucas-Kanade / Farneback, endpoint error, {turn}",
             errors["lucas_kanade"] / errors["farneback"],
             limit,
@@ -91,29 +95,29 @@ def _flow() -> Iterator[Ratio]:
         )
     for (cols, rows), limit in zip(bench_flow.SIZES, (0.35, 0.25, 0.25), strict=True):
         times = bench_flow.time_ratios((cols, rows), REPORTING_SEEDS[:2])
-        detail = f"dis medium / cv2's {times['dis medium']:.2f}"
-        yield Ratio(f"Lucas-Kanade / Farneback, time, {cols}x{rows}", times["lucas_kanade"], limit, detail)
+        detail = f"dis medium / cv2's {times['dis medium']}"
+        yield Judged(f"Lucas-Kanade / Farneback, time, {cols}x{rows}", times["lucas_kanade"], limit, detail)
 
 
-def _stages() -> Iterator[Ratio]:
+def _stages() -> Iterator[Judged]:
     judged = ("plane.ica", "planar.motion", "planar.subspace")
     for name, share in bench_stages.measure(reference_python()).items():
         is_judged = name in judged or name.startswith("score.")
-        yield Ratio(f"{name} / that of 0.1.0, time of a step", share, 0.5 if is_judged else math.inf)
+        yield Judged(f"{name} / that of 0.1.0, time of a step", share, 0.5 if is_judged else math.inf)
 
 
-def _ticks() -> Iterator[Ratio]:
+def _ticks() -> Iterator[Judged]:
     for speed in bench_ticks.measure():
         limit = 0.0 if speed.limit is None else speed.limit
-        yield Ratio(f"ticks/s over those of 0.1.0, {speed.name}", speed.ratio, limit, str(speed), at_least=True)
+        yield Judged(f"ticks/s over those of 0.1.0, {speed.name}", speed.ratio, limit, str(speed), at_least=True)
 
 
-def _studies() -> Iterator[Ratio]:
+def _studies() -> Iterator[Judged]:
     study = bench_ablate.measure(old=reference_python())
     detail = f"{study['-j 1, s']:.0f} s with one process, {study['-j 2, s']:.0f} s with two"
-    yield Ratio("a study's parallel efficiency on 2 cores", study["efficiency"], 0.92, detail, at_least=True)
+    yield Judged("a study's parallel efficiency on 2 cores", study["efficiency"], 0.92, detail, at_least=True)
     detail = f"{study['old -j 2, s']:.0f} s in 0.1.0; with one process {study['-j 1 ratio']:.2f}"
-    yield Ratio("a study of 60 runs: 0.1.0's time / ours, -j 2", study["-j 2 ratio"], 1.6, detail, at_least=True)
+    yield Judged("a study of 60 runs: 0.1.0's time / ours, -j 2", study["-j 2 ratio"], 1.6, detail, at_least=True)
 
 
 def main() -> int:
@@ -125,7 +129,8 @@ def main() -> int:
         missed += not ratio.is_met
         mark = "ok  " if ratio.is_met else "MISS"
         bound = "" if ratio.limit in {0.0, math.inf} else f"at {'least' if ratio.at_least else 'most'} {ratio.limit:g}"
-        sys.stdout.write(f"{mark} {ratio.name:62} {ratio.value:8.2f}  {bound:13} {ratio.detail}\n")
+        value = f"{ratio.value}" if isinstance(ratio.value, Ratio) else f"{ratio.value:.2f}"
+        sys.stdout.write(f"{mark} {ratio.name:62} {value:>20}  {bound:13} {ratio.detail}\n")
         sys.stdout.flush()
     return 1 if missed else 0
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+
+from taking_turns import Turns, results_in_turn
 
 STUDY = [
     *("corridor_ccw", "--vary", "plane=plane.ica,plane.affine,plane.residual"),
@@ -35,23 +37,18 @@ def measure(rounds: int = 3, old: Path | None = None) -> dict[str, float]:
     version, also its times, ``old ...``, and ``... ratio``, its time over that of this version in the same round.
     """
     pythons = {"": Path(sys.executable)} | ({"old ": old} if old is not None else {})
-    found: dict[str, list[float]] = {}
-    for _ in range(rounds):
-        one, two = ({name: _cost(python, jobs) for name, python in pythons.items()} for jobs in (1, 2))
-        for name in pythons:
-            _add(found, f"{name}-j 1, s", one[name].wall_s)
-            _add(found, f"{name}-j 2, s", two[name].wall_s)
-            _add(found, f"{name}-j 2, cpu s", two[name].cpu_s)
-            _add(found, f"{name}efficiency", one[name].wall_s / (2 * two[name].wall_s))
-        if old is not None:
-            _add(found, "-j 1 ratio", one["old "].wall_s / one[""].wall_s)
-            _add(found, "-j 2 ratio", two["old "].wall_s / two[""].wall_s)
-            _add(found, "cpu ratio", two["old "].cpu_s / two[""].cpu_s)
-    return {name: statistics.median(values) for name, values in found.items()}
-
-
-def _add(found: dict[str, list[float]], name: str, value: float) -> None:
-    found.setdefault(name, []).append(value)
+    rivals = {(name, jobs): partial(_cost, python, jobs) for jobs in (1, 2) for name, python in pythons.items()}
+    found = results_in_turn({f"{name}-j {jobs}": rival for (name, jobs), rival in rivals.items()}, rounds)
+    wall = Turns({name: [one.wall_s for one in costs] for name, costs in found.items()})
+    cpu = Turns({name: [one.cpu_s for one in costs] for name, costs in found.items()})
+    measured = {f"{name}, s": wall.median(name) for name in found}
+    for name in pythons:
+        measured[f"{name}-j 2, cpu s"] = cpu.median(f"{name}-j 2")
+        measured[f"{name}efficiency"] = wall.ratio(f"{name}-j 1", f"{name}-j 2").median / 2
+    if old is not None:
+        measured |= {f"-j {jobs} ratio": wall.ratio(f"old -j {jobs}", f"-j {jobs}").median for jobs in (1, 2)}
+        measured["cpu ratio"] = cpu.ratio("old -j 2", "-j 2").median
+    return measured
 
 
 def _cost(python: Path, jobs: int, study: Iterable[str] = STUDY) -> Cost:

@@ -22,6 +22,7 @@ from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
 from graphnav_world.world import Pymunk
+from taking_turns import Ratio, Turns, take_turns, timed
 
 from graphnav import Finished, Image, Latest, Stage, Stamp, Truth, Twist
 from graphnav.arrays import Bytes
@@ -94,8 +95,8 @@ def endpoint_error_px(stage: Stage, steps: Sequence[Step]) -> float:
     return float(np.mean(errors))
 
 
-def step_ms(stages: dict[str, Stage], steps: Sequence[Step], rounds: int = 60) -> dict[str, float]:
-    """Return the median processor time of a step of each stage, interleaved with OpenCV's own functions.
+def step_times(stages: dict[str, Stage], steps: Sequence[Step], rounds: int = 60) -> Turns:
+    """Return the processor time of a step of each stage, taking turns with OpenCV's own functions.
 
     Those are "cv2", bare Farneback with the tutorial's parameters, and "cv2 dis", bare DIS with its medium preset.
     """
@@ -104,23 +105,29 @@ def step_ms(stages: dict[str, Stage], steps: Sequence[Step], rounds: int = 60) -
         "cv2": lambda now, before: cv2.calcOpticalFlowFarneback(now, before, None, 0.5, 3, 15, 3, 5, 1.2, 0),
         "cv2 dis": lambda now, before: dis.calc(now, before, None),
     }
-    spent: dict[str, list[float]] = {name: [] for name in (*bare, *stages)}
     for stage in stages.values():
         stage.reset(0)
-    for turn in range(rounds):
+    rivals = {name: _calls(steps, function) for name, function in bare.items()}
+    rivals |= {name: _calls(steps, stage) for name, stage in stages.items()}
+    return take_turns(rivals, rounds - 2, warm_up=2)
+
+
+def _calls(steps: Sequence[Step], called: Stage | Callable[[Bytes, Bytes], object]) -> Callable[[], float]:
+    """Return a rival that gives one step after another to a stage, or both its pictures to a function."""
+    turns = itertools.count()
+
+    def call() -> None:
+        turn = next(turns)
         step = steps[turn % len(steps)]
-        for name, function in bare.items():
-            begin = time.thread_time()
-            function(step.now.pixels, step.before.pixels)
-            spent[name].append(time.thread_time() - begin)
-        for name, stage in stages.items():
-            begin = time.thread_time()
-            stage.step(step.now, Stamp(turn * PERIOD_US))  # type: ignore[attr-defined]
-            spent[name].append(time.thread_time() - begin)
-    return {name: 1000 * float(np.median(times[2:])) for name, times in spent.items()}
+        if isinstance(called, Stage):
+            called.step(step.now, Stamp(turn * PERIOD_US))  # type: ignore[attr-defined]
+        else:
+            called(step.now.pixels, step.before.pixels)
+
+    return timed(call, time.thread_time)
 
 
-def time_ratios(size: tuple[int, int], seeds: Sequence[int]) -> dict[str, float]:
+def time_ratios(size: tuple[int, int], seeds: Sequence[int]) -> dict[str, Ratio]:
     """Return each step's share of the time of bare Farneback at ``size``, on straight drives.
 
     "dis / cv2" and "farneback / cv2" are relative to the bare function that the stage calls.
@@ -128,9 +135,9 @@ def time_ratios(size: tuple[int, int], seeds: Sequence[int]) -> dict[str, float]
     stages = {
         name: stage for name, stage in estimators().items() if name in ("lucas_kanade", "dis medium", "farneback")
     }
-    times = step_ms(stages, collect(0.0, seeds, size=size), rounds=60 * SIZES[0][0] // size[0])
-    ratios = {name: times[name] / times["cv2"] for name in stages}
-    return ratios | {"dis / cv2": times["dis medium"] / times["cv2 dis"], "farneback / cv2": ratios["farneback"]}
+    turns = step_times(stages, collect(0.0, seeds, size=size), rounds=60 * SIZES[0][0] // size[0])
+    ratios = {name: turns.ratio(name, "cv2") for name in stages}
+    return ratios | {"dis / cv2": turns.ratio("dis medium", "cv2 dis"), "farneback / cv2": ratios["farneback"]}
 
 
 def main(first_seed: int = 0, seeds: int = 10) -> None:
@@ -149,10 +156,10 @@ def main(first_seed: int = 0, seeds: int = 10) -> None:
             errors = {stage_name: endpoint_error_px(stage, steps) for stage_name, stage in stages.items()}
             for stage_name, error in errors.items():
                 print(f"  {stage_name:16} {error:6.3f}  ({error / errors['farneback']:.2f})")
-        times = step_ms(stages, shown["straight"], rounds=60 * SIZES[0][0] // size[0])
+        turns = step_times(stages, shown["straight"], rounds=60 * SIZES[0][0] // size[0])
         print(f"{size[0]}x{size[1]}: time of a step in ms (share of cv2.calcOpticalFlowFarneback's)")
-        for stage_name, ms in times.items():
-            print(f"  {stage_name:16} {ms:6.2f}  ({ms / times['cv2']:.2f})")
+        for name in turns.costs:
+            print(f"  {name:16} {1e3 * turns.median(name):6.2f}  ({turns.ratio(name, 'cv2')})")
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import lcm
+from taking_turns import results_in_turn
 from testbed.drives import GRAPHNAV
 from testbed.rig import Rig
 
@@ -127,19 +128,24 @@ def running(command: Sequence[str]) -> Iterator[None]:
 
 def measure(camera: str, turns: int = 3, duration_s: float = 15.0) -> dict[str, dict[str, float]]:
     """Return median and 99th percentile in ms and the number of answers, of the graph and of the bare loop."""
-    answers: dict[str, list[Answer]] = {"graph": [], "bare": []}
     with tempfile.TemporaryDirectory() as scratch:
         events = record(Path(scratch) / "drive", duration_s, camera)
         graph = Path(scratch) / "on_commands.yaml"
         graph.write_text(ON_COMMANDS)
         sets = CAMERAS[camera][1]
-        for turn in range(turns):
-            options = ["--url", URL, "--no-pictures", "-o", f"{scratch}/run-{turn}", *_set(sets)]
-            with running([str(GRAPHNAV), "run", str(graph), *options]):
-                answers["graph"] += play(events)[_WARM_UP:]
-            with running([sys.executable, str(BARE), URL, *sets]):
-                answers["bare"] += play(events)[_WARM_UP:]
-    return {name: _statistics(found) for name, found in answers.items()}
+        options = ["--url", URL, "--no-pictures", *_set(sets)]
+
+        def answers(*command: str) -> list[Answer]:
+            with running(command):
+                return play(events)[_WARM_UP:]
+
+        def of_graph() -> list[Answer]:
+            folder = tempfile.mkdtemp(dir=scratch)
+            return answers(str(GRAPHNAV), "run", str(graph), *options, "-o", f"{folder}/run")
+
+        rivals = {"graph": of_graph, "bare": lambda: answers(sys.executable, str(BARE), URL, *sets)}
+        found = results_in_turn(rivals, turns)
+    return {name: _statistics([one for turn in of for one in turn]) for name, of in found.items()}
 
 
 def _set(sets: Sequence[str]) -> list[str]:

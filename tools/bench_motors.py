@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from taking_turns import results_in_turn
 
 from graphnav.core.bus import Bus
 from graphnav.core.codec import decode, encode
@@ -97,13 +98,14 @@ def main() -> None:
     """Measure, taking turns, and print."""
     receiver, direct = Receiver(), Bus(URL)
     sender = MotorSender(URL, [channel_of(60.0)])
-    delays_s: dict[str, list[float]] = {"direct": [], "sender": []}
-    for _ in range(N_ROUNDS):
-        delays_s["direct"] += receiver.delays_s(lambda data: direct.publish(CHANNEL, data))
-        delays_s["sender"] += receiver.delays_s(lambda data: sender.send(CHANNEL, data))
+    rivals = {
+        "published directly": lambda: receiver.delays_s(lambda data: direct.publish(CHANNEL, data)),
+        "through the sending process": lambda: receiver.delays_s(lambda data: sender.send(CHANNEL, data)),
+    }
+    found = results_in_turn(rivals, N_ROUNDS)
     sender.close()
-    report("published directly", delays_s["direct"])
-    report("through the sending process", delays_s["sender"])
+    for name, rounds in found.items():
+        report(name, [delay_s for delays_s in rounds for delay_s in delays_s])
     rng = np.random.default_rng(0)
     report("kill -9 to the first stop", [first_stop_s(receiver, rng.uniform(0.0, 0.1)) for _ in range(N_KILLS)])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import statistics
+import itertools
 import time
 from dataclasses import dataclass
 
@@ -15,18 +15,19 @@ from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame, Renderer
 from graphnav_world.rendering.textures import Texture
+from taking_turns import Ratio, take_turns, timed
 
 from graphnav.arrays import Bytes
 
 
 @dataclass(frozen=True)
 class RenderCost:
-    """Medians over the rounds: milliseconds of processor time, and the ratio of each round's pair."""
+    """Medians over the rounds, milliseconds of processor time, and the ratio."""
 
     faces: int
     render_ms: float
     farneback_ms: float
-    ratio: float
+    ratio: Ratio
 
 
 def bodies() -> list[Body]:
@@ -66,18 +67,23 @@ def measure(cols: int, rows: int, rounds: int = 60) -> RenderCost:
         return made
 
     before = frame(-0.03)
-    spent: list[tuple[float, float]] = []
-    for k in range(rounds + 3):
-        began = time.thread_time()
-        now = frame(0.001 * k)
-        rendered = time.thread_time()
-        _farneback(before.pixels, now.pixels)
-        spent.append((rendered - began, time.thread_time() - rendered))
+    now = before
+    places = itertools.count()
+
+    def render() -> None:
+        nonlocal now
+        now = frame(0.001 * next(places))
+
+    rivals = {
+        "render": timed(render, time.thread_time),
+        "Farneback": timed(lambda: _farneback(before.pixels, now.pixels), time.thread_time),
+    }
+    turns = take_turns(rivals, rounds, warm_up=3)
     cv2.setNumThreads(threads)
-    render, farneback = ([one[part] * 1e3 for one in spent[3:]] for part in range(2))
-    ratio = statistics.median(a / b for a, b in zip(render, farneback, strict=True))
     visible = len(np.unique(now.face[now.face >= 0]))
-    return RenderCost(visible, statistics.median(render), statistics.median(farneback), ratio)
+    return RenderCost(
+        visible, 1e3 * turns.median("render"), 1e3 * turns.median("Farneback"), turns.ratio("render", "Farneback")
+    )
 
 
 def _world(cols: int, rows: int) -> tuple[Camera, Faces, Renderer]:
@@ -100,7 +106,7 @@ def main() -> None:
         cost = measure(cols, rows)
         print(
             f"{cols}x{rows}, {cost.faces} faces in view: render with truth {cost.render_ms:.2f} ms, "
-            f"Farneback {cost.farneback_ms:.2f} ms, ratio {cost.ratio:.2f}"
+            f"Farneback {cost.farneback_ms:.2f} ms, ratio {cost.ratio}"
         )
 
 

@@ -12,15 +12,15 @@ import inspect
 import json
 import math
 import pickle
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
@@ -30,6 +30,9 @@ from graphnav import Latest, Stage
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import decode
 from graphnav.core.graph import load_graph
+
+if TYPE_CHECKING:
+    from taking_turns import Ratio
 
 GRAPH, SEED, TICKS, WARM_UP = "corridor_ccw", 3, 120, 10
 STEER = {"about": "zero", "strength": "gradient", "gain": 16.0}
@@ -136,22 +139,29 @@ def step_ms(folder: Path) -> dict[str, float]:
     return means
 
 
-def measure(old_python: Path, rounds: int = 5) -> dict[str, float]:
-    """Return each stage's share of the older version's time, the median over rounds in which both take turns."""
-    shares: dict[str, list[float]] = defaultdict(list)
+def measure(old_python: Path, rounds: int = 5) -> dict[str, Ratio]:
+    """Return each stage's share of the older version's time; both versions take turns."""
+    from taking_turns import Ratio, results_in_turn  # noqa: PLC0415 - the older version needs none
+
+    def times_of(python: Path | str) -> Callable[[], dict[str, float]]:
+        return lambda: json.loads(subprocess.check_output([str(python), __file__, "time", folder]))
+
     with tempfile.TemporaryDirectory() as folder:
         record(Path(folder))
-        for _ in range(rounds):
-            runs = ([str(python), __file__, "time", folder] for python in (old_python, sys.executable))
-            old, new = (json.loads(subprocess.check_output(run)) for run in runs)
-            for name in old.keys() & new.keys():
-                shares[name].append(new[name] / old[name])
-    return {name: statistics.median(shares[name]) for name in STAGES if name in shares}
+        found = results_in_turn({"old": times_of(old_python), "new": times_of(sys.executable)}, rounds)
+    return {
+        name: Ratio.of([new[name] / old[name] for old, new in zip(found["old"], found["new"], strict=True)])
+        for name in STAGES
+        if name in found["old"][0] and name in found["new"][0]
+    }
 
 
 if __name__ == "__main__":
     mode, where, *rest = sys.argv[1:]
     if mode == "record":
         record(Path(where))
+    elif mode == "time":
+        print(json.dumps(step_ms(Path(where)), indent=1))
     else:
-        print(json.dumps(step_ms(Path(where)) if mode == "time" else measure(Path(where), *map(int, rest)), indent=1))
+        for name, share in measure(Path(where), *map(int, rest)).items():
+            print(f"{name:18} {share}")

@@ -1,33 +1,29 @@
-"""Benchmark ``graphnav --help`` against ``python -c pass``, alternating."""
+"""Benchmark ``graphnav --help`` against ``python -c pass``, taking turns."""
 
 from __future__ import annotations
 
-import statistics
-import subprocess
 import sys
 import sysconfig
-import time
 from pathlib import Path
 
+from taking_turns import Turns, program, show, take_turns
+
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
+OURS, BARE = "graphnav --help", "python -c pass"
 
 
-def measure(rounds: int = 15) -> dict[str, float]:
-    """Return medians of wall time in ms, and the median of the rounds' ratios."""
-    pairs = [(_wall_s([str(GRAPHNAV), "--help"]), _wall_s([sys.executable, "-c", "pass"])) for _ in range(rounds + 1)]
-    ours, bare = zip(*pairs[1:], strict=True)
-    return {
-        "graphnav --help, ms": statistics.median(ours) * 1e3,
-        "python -c pass, ms": statistics.median(bare) * 1e3,
-        "ratio": statistics.median(a / b for a, b in zip(ours, bare, strict=True)),
-    }
+def measure(rounds: int = 15) -> Turns:
+    """Return the wall times of both."""
+    rivals = {OURS: program([str(GRAPHNAV), "--help"]), BARE: program([sys.executable, "-c", "pass"])}
+    return take_turns(rivals, rounds)
 
 
-def _wall_s(command: list[str]) -> float:
-    begin = time.perf_counter()
-    subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
-    return time.perf_counter() - begin
+def main(rounds: int = 15) -> None:
+    """Print both and their ratio."""
+    turns = measure(rounds)
+    show(f"{name}: {1e3 * turns.median(name):.1f} ms" for name in (OURS, BARE))
+    show([f"ratio {turns.ratio(OURS, BARE)}"])
 
 
 if __name__ == "__main__":
-    print({figure: round(value, 2) for figure, value in measure().items()})
+    main(*map(int, sys.argv[1:]))

@@ -17,6 +17,7 @@ from typing import Any
 
 import lcm
 from hand_written_loop import HandWrittenLoop
+from taking_turns import take_turns, timed
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph, load_graph
@@ -68,25 +69,15 @@ class BareLoop:
         self._log.write_event(self._utime, channel, data)
 
 
-class Timed:
-    """Ticks of a runner or of the hand-written loop, and what they cost beyond the stages' steps, seconds."""
+def beyond_s(tick: Callable[[], object], inside_s: Callable[[], float]) -> Callable[[], float]:
+    """Return a rival that ticks a runner or a loop and costs what that takes beyond the stages' steps, s."""
+    cost = timed(tick)
 
-    def __init__(self, tick: Callable[[], object], inside_s: Callable[[], float]) -> None:
-        self._tick, self._inside_s = tick, inside_s
-        self._beyond_s: list[float] = []
+    def beyond() -> float:
+        before_s = inside_s()
+        return cost() - (inside_s() - before_s)
 
-    def tick(self) -> None:
-        """Run one tick."""
-        inside_s = self._inside_s()
-        begin = time.perf_counter()
-        self._tick()
-        wall_s = time.perf_counter() - begin
-        self._beyond_s.append(wall_s - (self._inside_s() - inside_s))
-
-    @property
-    def beyond_ms(self) -> float:
-        """The median."""
-        return statistics.median(self._beyond_s[WARM_UP:]) * 1e3
+    return beyond
 
 
 def without_scores(graph: Graph, folder: Path) -> Graph:
@@ -121,31 +112,31 @@ def measure(ticks: int = 250, *, tapped: bool = False, scores: bool = True, step
             cleanup.callback(tap.close)
             tapping = _timed(graph, recorded, folder / "tapped.lcmlog", [tap], cleanup)
         loop = HandWrittenLoop(_stages(graph, recorded), SEED, folder / "hand.lcmlog")
-        hand = Timed(loop.tick, lambda: loop.inside_s)
         bare = BareLoop([channel.name for channel in graph.channels.values()], folder / "bare.lcmlog")
-        bare_s, kilobytes = [], []
-        turns = [ours, hand, *([tapping] if tapping else [])]
-        for _ in range(ticks):
+        kilobytes = []
+
+        def tick() -> float:
             kept.events.clear()
-            for one in turns:
-                one.tick()
-            turns.append(turns.pop(0))
-            bare_s.append(bare.run(kept.events))
+            cost_s = ours()
             kilobytes.append(sum(len(data) for _, _, data in kept.events) / 1e3)
+            return cost_s
+
+        rivals = {"ours": tick, "hand": beyond_s(loop.tick, lambda: loop.inside_s)}
+        rivals |= {"tapped": tapping} if tapping else {}
+        turns = take_turns(rivals | {"bare": lambda: bare.run(kept.events)}, ticks - WARM_UP, WARM_UP)
         loop.close()
         cleanup.close()
         assert _same_events(folder / "ours.lcmlog", folder / "hand.lcmlog")
-    bare_ms = statistics.median(bare_s[WARM_UP:]) * 1e3
     metrics = {
         "kB a tick": statistics.median(kilobytes),
-        "beyond the steps, ms": ours.beyond_ms,
-        "hand-written, ms": hand.beyond_ms,
-        "bare loop, ms": bare_ms,
-        "ratio": ours.beyond_ms / hand.beyond_ms,
-        "bare ratio": ours.beyond_ms / bare_ms,
+        "beyond the steps, ms": 1e3 * turns.median("ours"),
+        "hand-written, ms": 1e3 * turns.median("hand"),
+        "bare loop, ms": 1e3 * turns.median("bare"),
+        "ratio": turns.ratio("ours", "hand").median,
+        "bare ratio": turns.ratio("ours", "bare").median,
     }
     if tapping:
-        metrics |= {"tapped, ms": tapping.beyond_ms, "tap ratio": tapping.beyond_ms / ours.beyond_ms}
+        metrics |= {"tapped, ms": 1e3 * turns.median("tapped"), "tap ratio": turns.ratio("tapped", "ours").median}
     return metrics
 
 
@@ -186,15 +177,17 @@ def _returning(results: list[Any]) -> Callable[..., Any]:
     return step
 
 
-def _timed(graph: Graph, recorded: Recorded, log: Path, sinks: Sequence[Sink], cleanup: ExitStack) -> Timed:
-    """Return a run that also writes a log, reset and ready to tick."""
+def _timed(
+    graph: Graph, recorded: Recorded, log: Path, sinks: Sequence[Sink], cleanup: ExitStack
+) -> Callable[[], float]:
+    """Return a rival that is a run, reset and ready to tick, which also writes a log."""
     writer = LogWriter(log)
     cleanup.callback(writer.close)
     lockstep = Lockstep(graph, _stages(graph, recorded), [writer, *sinks])
     cleanup.callback(lockstep.engine.close)
     lockstep.reset(SEED)
     units = tuple(lockstep.engine.units.values())
-    return Timed(lockstep.tick, lambda: sum(unit.durations.total_s for unit in units))
+    return beyond_s(lockstep.tick, lambda: sum(unit.durations.total_s for unit in units))
 
 
 def _same_events(one: Path, other: Path) -> bool:

@@ -1,8 +1,8 @@
 """Ticks per second of complete graphs with their logs, against version 0.1.0, the two taking turns on one core.
 
 ``python tools/bench_ticks.py [ROUNDS]`` prints, for each graph as a robot runs it (without score stages) and with its
-scores, the median time of a tick in both versions and the ratio of 0.1.0's to today's with quartiles. Beside it, what
-the guard costs, which came since, and the truth where it is made without a reader, as 0.1.0 did.
+scores, the median time of a tick in both versions and the ratio of 0.1.0's to today's with its interval. Beside it,
+what the guard costs, which came since, and the truth where it is made without a reader, as 0.1.0 did.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import statistics
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ import cv2
 import yaml  # noqa: TID251 - a graph is copied without a stage; its places do not matter
 from graphnav_world.world import Pymunk
 from reference_version import ROOT, reference_python
+from taking_turns import Ratio, Turns, results_in_turn
 
 from graphnav import Latest, Stamp, Twist
 from graphnav.core.machine.single_thread import ONE_THREAD
@@ -35,18 +36,17 @@ VIDEO_SIZE = (320, 240)
 VIDEO_FRAMES = 200
 _GRAPHS = Path("graphs") / "graphnav_graphs"
 _WARM_UP_TURNS = 2
+_CLOCKS = ("wall_s", "cpu_s")
 
 
 @dataclass(frozen=True)
 class Speed:
-    """A graph in 0.1.0 and today: medians of a tick's wall time in ms, and the quartiles of the turns' ratios."""
+    """A graph in 0.1.0 and today: medians of a tick's wall time in ms, and their ratio."""
 
     name: str
     old_ms: float
     new_ms: float
-    ratio: float
-    low: float
-    high: float
+    ratio: Ratio
     limit: float | None
     """The minimum of the ratio, None where it is reported only."""
     cpu_ratio: float
@@ -56,8 +56,7 @@ class Speed:
         limit = "" if self.limit is None else f"  at least {self.limit:g}"
         return (
             f"{self.name:42} {self.old_ms:6.2f} ms, now {self.new_ms:6.2f} ms ({1e3 / self.new_ms:4.0f} ticks/s): "
-            f"{self.ratio:.2f} [{self.low:.2f}, {self.high:.2f}], "
-            f"of processor time {self.cpu_ratio:.2f}{limit}"
+            f"{self.ratio}, of processor time {self.cpu_ratio:.2f}{limit}"
         )
 
 
@@ -85,11 +84,11 @@ def _compared(name: str, python: Path, old: Path, new: Path, rounds: int, limit:
     with ExitStack() as stack:
         then = stack.enter_context(_ticker(str(python), old))
         now = stack.enter_context(_ticker(sys.executable, new))
-        pairs = [(_turn(then), _turn(now)) for _ in range(_WARM_UP_TURNS + rounds)][_WARM_UP_TURNS:]
-    low, ratio, high = statistics.quantiles((a["wall_s"] / b["wall_s"] for a, b in pairs), n=4)
-    old_ms, new_ms = (1e3 * statistics.median(one["wall_s"] for one in turns) for turns in zip(*pairs, strict=True))
-    old_cpu_s, new_cpu_s = (statistics.median(one["cpu_s"] for one in turns) for turns in zip(*pairs, strict=True))
-    return Speed(name, old_ms, new_ms, ratio, low, high, limit, old_cpu_s / new_cpu_s)
+        rivals = {"old": partial(_turn, then), "new": partial(_turn, now)}
+        found = results_in_turn(rivals, rounds, warm_up=_WARM_UP_TURNS)
+    wall, cpu = (Turns({name: [one[key] for one in turns] for name, turns in found.items()}) for key in _CLOCKS)
+    old_ms, new_ms = (1e3 * wall.median(name) for name in found)
+    return Speed(name, old_ms, new_ms, wall.ratio("old", "new"), limit, cpu.median("old") / cpu.median("new"))
 
 
 @contextmanager
@@ -176,7 +175,7 @@ def main(rounds: int = 40) -> int:
     """Print every speed; return 1 if one is below its minimum."""
     missed = 0
     for speed in measure(rounds):
-        is_missed = speed.limit is not None and speed.ratio < speed.limit
+        is_missed = speed.limit is not None and speed.ratio.median < speed.limit
         missed += is_missed
         sys.stdout.write(f"{'MISS' if is_missed else 'ok  '} {speed}\n")
         sys.stdout.flush()
