@@ -144,6 +144,12 @@ from .core.messages import (
 )
 from .core.mount import Mount as Mount
 from .core.record import Recording as Recording
+from .core.scene import (
+    Scene as Scene,
+)
+from .core.scene import (
+    SceneArea as SceneArea,
+)
 from .core.spec import (
     FileFormat as FileFormat,
 )

@@ -18,7 +18,7 @@ from graphnav_view.video.map_tile import TopView
 from PIL import Image as Picture
 from PIL import ImageDraw, ImageFont
 
-from graphnav import Image, LocalMap, Map, Plane, Recording, State, Steering
+from graphnav import Image, LocalMap, Map, Plane, Recording, Scene, State, Steering
 from graphnav.arrays import Bytes
 from graphnav.core.run_folder import RunFolder
 
@@ -47,7 +47,7 @@ def draw(run: Path, target: Path) -> None:
         assert track is not None
         rows, cols = first.pixels.shape[:2]
         stretch = Stretch(rows, cols, _ROWS, _COLS)
-        view = TopView(world, track.pose[:, :2], track.moving, _COLS, _ROWS)
+        view = TopView(Scene(world), track.pose[:, :2], track.moving, _COLS, _ROWS)
         path: list[tuple[float, float]] = []
         for number, (_, (image, plane, local, steering, state)) in enumerate(signals.joined(*_KINDS)):
             if state is not None:

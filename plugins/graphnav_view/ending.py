@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graphnav import Flow, Image, Map, Plane, State
+from graphnav import Flow, Image, Map, Plane, Scene, State
 from graphnav_view import style
 from graphnav_view.maps.map_panel import draw_world
 from graphnav_view.outcome import outcome_text
@@ -65,7 +65,7 @@ def _headline(signals: Signals, track: Track | None, frame: Frame) -> str:
 def _panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:
     """Yield the panels that the log has data for, without the paper's letters and its cloud of gradients."""
     if world is not None and track is not None:
-        yield Panel("entire path", partial(draw_world, world=world, track=track))
+        yield Panel("entire path", partial(draw_world, scene=Scene(world), track=track))
     for panel in frame_panels(world, track, frame):
         if panel.title != CLOUD:
             yield replace(panel, letter="")

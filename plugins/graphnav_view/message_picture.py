@@ -9,7 +9,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Components, Flow, Image, LocalMap, Map, Message, Planar, Plane, Potential, State, Steering, Truth
+from graphnav import (
+    Components,
+    Flow,
+    Image,
+    LocalMap,
+    Map,
+    Message,
+    Planar,
+    Plane,
+    Potential,
+    Scene,
+    State,
+    Steering,
+    Truth,
+)
 from graphnav.arrays import Bytes, Floats
 from graphnav_view.flow_colour import flow_scale_px
 from graphnav_view.maps.local_map import draw_local_map
@@ -149,9 +163,10 @@ def _from_above(world: Map, state: State | None, context: PictureContext) -> Byt
         path_m = context.path_m()
         path_m = np.vstack([path_m[np.abs(path_m).max(axis=1, initial=0) <= _MAX_M], [[state.x_m, state.y_m]]])
         moving = state.moving[None]
-    cols, rows = view_size_px(world, path_m, moving, context.cols, context.rows)
+    scene = Scene(world)
+    cols, rows = view_size_px(scene, path_m, moving, context.cols, context.rows)
     with_scale = context.with_legend and rows >= _LEGEND_ROWS and cols >= _LEGEND_COLS
-    view = TopView(world, path_m, moving, cols, rows, with_scale=with_scale)
+    view = TopView(scene, path_m, moving, cols, rows, with_scale=with_scale)
     return view.draw(state, path_m)
 
 

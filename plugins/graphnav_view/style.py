@@ -14,10 +14,6 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from graphnav import written_aside
 
-WALL = "#4c566a"
-OBSTACLE = "#c98a4b"
-MOVING = "#8f6bb3"
-GOAL = "#5aa469"
 FLOOR = "#f7f6f2"
 ROBOT = "#1d3557"
 CONTACT = "#d00000"

@@ -27,7 +27,7 @@ _GROUPS = {
         *("Metric", "MEASURED", "UNDEFINED"),
         *("hookimpl", "Continuity", "block_mean", "block_sum", "coarsen"),
     ),
-    "Write an adapter or a drawing": ("Adapter", "PictureContext", "VideoFrames"),
+    "Write an adapter or a drawing": ("Adapter", "PictureContext", "Scene", "SceneArea", "VideoFrames"),
     "Read a file of your own": ("FileFormat", "Record", "key", "Range", "Value"),
     "Errors": (
         *("GraphnavError", "UserError", "ParamError", "DeclarationError", "FieldError", "RunError"),

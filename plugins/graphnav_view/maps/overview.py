@@ -19,9 +19,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Patch
 from matplotlib.ticker import MaxNLocator
 
-from graphnav import Map
+from graphnav import Map, Scene
 from graphnav_view import style
-from graphnav_view.maps.floorplan import bounds_m, draw_bodies, moved, nearest_point, outlines
+from graphnav_view.maps.floorplan import EDGE, draw_areas
 from graphnav_view.outcome import drive_texts, outcome_text
 from graphnav_view.signals import Signals
 from graphnav_view.track import Track, track_of
@@ -32,6 +32,8 @@ _LEFT_IN, _RIGHT_IN, _TOP_IN, _BOTTOM_IN = 0.75, 1.15, 0.95, 1.15
 _MIN_WIDTH_IN = 6.6
 _LETTERS_PER_IN = 15
 _MARGIN_M = 0.3
+_LABELS = {"wall": "wall", "obstacle": "obstacle", "moving": "moving obstacle", "goal": "goal region"}
+"""In the legend, by role."""
 _TIMES = 6
 """Number of drawn positions of a moving obstacle."""
 
@@ -42,22 +44,22 @@ def draw_overview(signals: Signals, path: Path) -> Path | None:
     if world is None or track is None:
         return None
     with style.style():
-        figure, axes = _page(world, track)
-        moving_now = track.moving[0] if Map.MOVING not in world.kind else np.empty((0, 3))
-        draw_bodies(axes, world, moving_now)
+        scene = Scene(world)
+        figure, axes = _page(scene, track)
+        draw_areas(axes, scene.fixed)
         norm = Normalize(0.0, max(float(track.time_s[-1]), 1e-3))
-        _draw_moving(axes, world, track, norm)
+        _draw_moving(axes, scene, track, norm)
         _draw_path(axes, track, norm)
-        _draw_ends(axes, world, track)
+        _draw_ends(axes, scene, track)
         _colourbar(figure, axes, norm)
         _title(figure, signals, world, track)
-        _legend(figure, world, track)
+        _legend(figure, scene, track)
         return style.save(figure, path)
 
 
-def _page(world: Map, track: Track) -> tuple[Figure, Axes]:
+def _page(scene: Scene, track: Track) -> tuple[Figure, Axes]:
     """Return a figure whose axes have the shape of their content."""
-    low, high = bounds_m(world, [track.pose[:, :2]], track.moving, _MARGIN_M)
+    low, high = scene.bounds_m([track.pose[:, :2]], track.moving, _MARGIN_M)
     per_m = _LONG_SIDE_IN / float((high - low).max())
     width, height = np.maximum((high - low) * per_m, _SHORTEST_SIDE_IN)
     page_width = max(_LEFT_IN + width + _RIGHT_IN, _MIN_WIDTH_IN)
@@ -92,15 +94,15 @@ def _draw_path(axes: Axes, track: Track, norm: Normalize) -> None:
     axes.add_collection(over, autolim=False)
 
 
-def _draw_moving(axes: Axes, world: Map, track: Track, norm: Normalize) -> None:
+def _draw_moving(axes: Axes, scene: Scene, track: Track, norm: Normalize) -> None:
     """Draw moving obstacles at evenly spaced times, outlined in the colour of the time."""
     times = np.unique(np.linspace(0, len(track.time_s) - 1, _TIMES).round().astype(int))
-    for index, outline in enumerate(outlines(world, Map.MOVING)):
-        if index >= track.moving.shape[1]:
+    for index, area in enumerate(scene.moving[: track.moving.shape[1]]):
+        if area is None:
             continue
         bodies = PolyCollection(
-            [moved(outline, track.moving[k, index]) for k in times],
-            facecolor=(style.MOVING, 0.25),
+            [area.at(track.moving[k, index]).outline_m for k in times],
+            facecolor=(area.colour, 0.25),
             edgecolor=ScalarMappable(norm, style.PATH).to_rgba(track.time_s[times]),
             linewidth=1.8,
             zorder=3,
@@ -108,10 +110,10 @@ def _draw_moving(axes: Axes, world: Map, track: Track, norm: Normalize) -> None:
         axes.add_collection(bodies, autolim=False)
 
 
-def _draw_ends(axes: Axes, world: Map, track: Track) -> None:
-    radius = world.robot_radius_m
+def _draw_ends(axes: Axes, scene: Scene, track: Track) -> None:
+    radius = scene.robot_radius_m
     arrow_m = max(2.2 * radius, 0.04 * float(np.ptp(axes.get_xlim())))
-    x, y, yaw = world.start
+    x, y, yaw = scene.start
     tip = (x + arrow_m * math.cos(yaw), y + arrow_m * math.sin(yaw))
     axes.add_patch(
         FancyArrowPatch(
@@ -123,7 +125,7 @@ def _draw_ends(axes: Axes, world: Map, track: Track) -> None:
     axes.add_patch(Circle((x, y), radius, facecolor=(1, 1, 1, 0.55), edgecolor=style.ROBOT, lw=1.6, zorder=6))
     axes.plot([x, x + radius * math.cos(yaw)], [y, y + radius * math.sin(yaw)], color=style.ROBOT, lw=1.6, zorder=6)
     if track.last.contact:
-        touched = nearest_point(world, track.last.moving, track.pose[-1, :2])
+        touched = scene.nearest_point(track.last.moving, track.pose[-1, :2])
         axes.plot(*touched, marker="X", markersize=13, color=style.CONTACT, markeredgecolor="white", zorder=8)
 
 
@@ -180,18 +182,14 @@ class _ArrowKey(HandlerPatch):
         ]
 
 
-def _legend(figure: Figure, world: Map, track: Track) -> None:
+def _legend(figure: Figure, scene: Scene, track: Track) -> None:
     start = FancyArrowPatch((0, 0), (1, 0), label="start")
     keys: list[Patch | Line2D] = [start]
-    for kind, colour, label in (
-        (Map.WALL, style.WALL, "wall"),
-        (Map.OBSTACLE, style.OBSTACLE, "obstacle"),
-        (Map.MOVING, style.MOVING, "moving obstacle"),
-    ):
-        if kind in world.kind:
-            keys.append(Patch(facecolor=colour, edgecolor="#2b2b2b", lw=0.5, label=label))
-    if len(world.goal_m):
-        keys.append(Patch(facecolor=style.GOAL, alpha=0.45, label="goal region"))
+    shown = {area.role: area for area in (*scene.fixed, *scene.moving) if area is not None}
+    for role, label in _LABELS.items():
+        if (area := shown.get(role)) is not None:
+            fill = (area.colour, area.opacity_ratio)
+            keys.append(Patch(facecolor=fill, edgecolor=fill if role == "goal" else EDGE, lw=0.5, label=label))
     keys.append(
         Line2D([], [], ls="", marker="o", ms=10, mfc="white", mec=style.ROBOT, mew=1.6, label="robot at the end")
     )

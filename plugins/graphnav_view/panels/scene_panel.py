@@ -5,45 +5,42 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Circle
 from matplotlib.transforms import Affine2D
 
-from graphnav import Map, State
+from graphnav import Scene, State
 from graphnav_view import style
-from graphnav_view.maps.floorplan import draw_bodies
+from graphnav_view.maps.floorplan import draw_areas
 from graphnav_view.track import Track
 
 _MIN_HEIGHT_M, _MAX_HEIGHT_M = 2.0, 12.0
-_SEEN = (0x2A / 255, 0x9D / 255, 0xF4 / 255)
 _VIEWS = 2.0
 """Height of the panel in reaches of the camera."""
 
 
 @dataclass(frozen=True)
-class Scene:
-    """The world, the entire path, and the pose and time of the robot on it."""
+class SceneMoment:
+    """The scene, the entire path, and the pose and time of the robot on it."""
 
-    world: Map
+    scene: Scene
     track: Track
     state: State
     time_s: float
 
 
-def draw_scene(axes: Axes, scene: Scene) -> str:
+def draw_scene(axes: Axes, moment: SceneMoment) -> str:
     """Draw the close-up of a scene; return its caption."""
-    world, state = scene.world, scene.state
+    scene, state = moment.scene, moment.state
     x, y, yaw = state.x_m, state.y_m, state.yaw_rad
     to_axes = Affine2D().translate(-x, -y).rotate(math.pi / 2 - yaw)
-    ahead, behind, half_width = _extent(axes, world)
+    ahead, behind, half_width = _extent(axes, scene)
     axes.set_facecolor(style.FLOOR)
-    draw_bodies(axes, world, state.moving, to_axes)
-    _draw_path(axes, scene, to_axes)
-    if len(world.footprint_m):
-        seen = Affine2D().rotate(math.pi / 2).transform(world.footprint_m)
-        axes.add_patch(Polygon(seen, facecolor=(*_SEEN, 0.22), zorder=1.5))
-        axes.add_patch(Polygon(seen, fill=False, edgecolor=_SEEN, lw=1.4, zorder=3))
-    radius = world.robot_radius_m
+    seen = scene.seen_at(np.array([x, y, yaw]))
+    draw_areas(axes, [*scene.fixed, *scene.moving_at(state.moving), *seen], to_axes)
+    _draw_path(axes, moment, to_axes)
+    radius = scene.robot_radius_m
     axes.add_patch(Circle((0, 0), radius, facecolor="white", edgecolor=style.ROBOT, lw=1.6, zorder=6))
     axes.annotate(
         "",
@@ -60,18 +57,18 @@ def draw_scene(axes: Axes, scene: Scene) -> str:
     return "from above, heading up; blue: the camera's view\nof the floor; line: path, dotted: still to come"
 
 
-def _extent(axes: Axes, world: Map) -> tuple[float, float, float]:
+def _extent(axes: Axes, scene: Scene) -> tuple[float, float, float]:
     """Return metres shown ahead, behind, and to each side, in the shape of the axes."""
-    reach = float(world.footprint_m[:, 0].max()) if len(world.footprint_m) else 1.0
-    height = min(max(_VIEWS * reach, 8.0 * world.robot_radius_m, _MIN_HEIGHT_M), _MAX_HEIGHT_M)
+    reach = 1.0 if scene.seen is None else float(scene.seen.outline_m[:, 0].max())
+    height = min(max(_VIEWS * reach, 8.0 * scene.robot_radius_m, _MIN_HEIGHT_M), _MAX_HEIGHT_M)
     box = axes.get_window_extent()
     behind = 0.36 * height
     return height - behind, behind, height * box.width / box.height / 2
 
 
-def _draw_path(axes: Axes, scene: Scene, to_axes: Affine2D) -> None:
-    xy = to_axes.transform(scene.track.pose[:, :2])
-    past = scene.track.time_s <= scene.time_s
+def _draw_path(axes: Axes, moment: SceneMoment, to_axes: Affine2D) -> None:
+    xy = to_axes.transform(moment.track.pose[:, :2])
+    past = moment.track.time_s <= moment.time_s
     axes.plot(*xy[past].T, color=style.ROBOT, lw=2.0, zorder=4, solid_capstyle="round")
     axes.plot(*xy[~past].T, color=style.ROBOT, lw=1.4, ls=":", zorder=4)
 

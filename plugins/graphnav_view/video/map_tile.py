@@ -7,10 +7,9 @@ import math
 import cv2
 import numpy as np
 
-from graphnav import Map, State
+from graphnav import Scene, SceneArea, State
 from graphnav.arrays import Bytes, Doubles, Ints
 from graphnav_view import style
-from graphnav_view.maps.floorplan import bounds_m, moved, outlines
 from graphnav_view.video.lettering import write
 
 _SHIFT = 4
@@ -28,11 +27,10 @@ class TopView:
     """
 
     def __init__(
-        self, world: Map, path_m: Doubles, moving: Doubles, cols: int, rows: int, *, with_scale: bool = True
+        self, scene: Scene, path_m: Doubles, moving: Doubles, cols: int, rows: int, *, with_scale: bool = True
     ) -> None:
-        self._world = world
-        self._moving = outlines(world, Map.MOVING)
-        low, high = bounds_m(world, [path_m], moving, _MARGIN_M)
+        self._scene = scene
+        low, high = scene.bounds_m([path_m], moving, _MARGIN_M)
         self._per_m = float(np.min(np.array([cols, rows]) / (high - low)))
         self._middle_m, self._middle_px = (low + high) / 2, np.array([cols, rows]) / 2
         is_small = min(cols, rows) < _SMALL_PX
@@ -46,13 +44,9 @@ class TopView:
         if state is None:
             return self._ground
         tile = self._ground.copy()
-        for outline, pose in zip(self._moving, state.moving, strict=False):
-            self._fill(tile, moved(outline, pose), style.rgb(style.MOVING))
         pose = np.array([state.x_m, state.y_m, state.yaw_rad])
-        if len(self._world.footprint_m):
-            seen = tile.copy()
-            self._fill(seen, moved(self._world.footprint_m, pose), style.rgb(style.SEEN))
-            cv2.addWeighted(seen, 0.25, tile, 0.75, 0, dst=tile)
+        for area in (*self._scene.moving_at(state.moving), *self._scene.seen_at(pose)):
+            self._fill(tile, area)
         trace = self._to_px(path_m)[:, None]
         cv2.polylines(tile, [trace], False, style.rgb(style.ROBOT), self._line_px, cv2.LINE_AA, _SHIFT)  # noqa: FBT003 - OpenCV's own order
         self._robot(tile, pose, contact=state.contact)
@@ -60,7 +54,7 @@ class TopView:
 
     def _robot(self, tile: Bytes, pose: Doubles, *, contact: bool) -> None:
         centre = self._to_px(pose[None, :2])[0]
-        radius = max(round(self._world.robot_radius_m * self._per_m * 2**_SHIFT), self._min_radius_px << _SHIFT)
+        radius = max(round(self._scene.robot_radius_m * self._per_m * 2**_SHIFT), self._min_radius_px << _SHIFT)
         colour = style.rgb(style.CONTACT if contact else style.ROBOT)
         cv2.circle(tile, centre.tolist(), radius, (255, 255, 255), -1, cv2.LINE_AA, _SHIFT)
         cv2.circle(tile, centre.tolist(), radius, colour, self._line_px, cv2.LINE_AA, _SHIFT)
@@ -69,13 +63,8 @@ class TopView:
 
     def _background(self, cols: int, rows: int) -> Bytes:
         tile = np.full((rows, cols, 3), style.rgb(style.FLOOR), np.uint8)
-        if len(self._world.goal_m):
-            goal = tile.copy()
-            self._fill(goal, self._world.goal_m, style.rgb(style.GOAL))
-            cv2.addWeighted(goal, 0.4, tile, 0.6, 0, dst=tile)
-        for kind, colour in ((Map.WALL, style.WALL), (Map.OBSTACLE, style.OBSTACLE)):
-            for outline in outlines(self._world, kind):
-                self._fill(tile, outline, style.rgb(colour))
+        for area in self._scene.fixed:
+            self._fill(tile, area)
         return tile
 
     def _scale_bar(self, tile: Bytes) -> None:
@@ -84,8 +73,11 @@ class TopView:
         write(tile, "1 m", (12, low - 6), (20, 20, 20), ground=style.rgb(style.FLOOR))
         cv2.line(tile, (12, low), (12 + length, low), (20, 20, 20), 3)
 
-    def _fill(self, tile: Bytes, outline: Doubles, colour: tuple[int, int, int]) -> None:
-        cv2.fillPoly(tile, [self._to_px(outline)[:, None]], colour, cv2.LINE_AA, _SHIFT)
+    def _fill(self, tile: Bytes, area: SceneArea) -> None:
+        below = tile.copy() if area.opacity_ratio < 1 else tile
+        cv2.fillPoly(tile, [self._to_px(area.outline_m)[:, None]], style.rgb(area.colour), cv2.LINE_AA, _SHIFT)
+        if below is not tile:
+            cv2.addWeighted(tile, area.opacity_ratio, below, 1 - area.opacity_ratio, 0, dst=tile)
 
     def _to_px(self, points_m: Doubles) -> Ints:
         """Return points of W in the tile's pixels, times 2**_SHIFT."""
@@ -93,9 +85,9 @@ class TopView:
         return np.asarray(np.round((away + self._middle_px) * 2**_SHIFT), np.int32)
 
 
-def view_size_px(world: Map, path_m: Doubles, moving: Doubles, cols: int, rows: int) -> tuple[int, int]:
+def view_size_px(scene: Scene, path_m: Doubles, moving: Doubles, cols: int, rows: int) -> tuple[int, int]:
     """Return columns and rows of a view with the world's shape that fills ``cols`` x ``rows`` in one direction."""
-    low, high = bounds_m(world, [path_m], moving, _MARGIN_M)
+    low, high = scene.bounds_m([path_m], moving, _MARGIN_M)
     wide, high_m = (high - low).tolist()
     per_m = min(cols / wide, rows / high_m)
     return max(1, min(cols, round(wide * per_m))), max(1, min(rows, round(high_m * per_m)))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from graphnav import Flow, Image, Map, Plane, Potential, State, Steering, Twist, VideoFrames
+from graphnav import Flow, Image, Map, Plane, Potential, Scene, State, Steering, Twist, VideoFrames
 from graphnav.arrays import Bytes
 from graphnav_view.flow_colour import flow_scale_px
 from graphnav_view.signals import Signals
@@ -86,7 +86,7 @@ def _tiles(signals: Signals, stretch: Stretch) -> list[tuple[str, Callable[[Mess
         )
     world, track = signals.first(Map), track_of(signals)
     if world is not None and track is not None:
-        view = TopView(world, track.pose[:, :2], track.moving, *stretch.tile_size_px)
+        view = TopView(Scene(world), track.pose[:, :2], track.moving, *stretch.tile_size_px)
         found.append(("map from above", _Drive(view).draw))
     elif Potential in there:
         found.append(("obstacle potential", lambda of: potential_tile(stretch, of[Potential])))

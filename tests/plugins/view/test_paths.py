@@ -12,6 +12,7 @@ from graphnav.core.record import Recording
 from .conftest import Drive, write_log
 
 COLOURS = {"one": "#2563a8", "two": "#b4501e"}
+WALL, OBSTACLE = "#4c566a", "#c98a4b"
 
 
 def drives(folder: Path, **options: Drive) -> dict[str, Recording]:
@@ -30,7 +31,7 @@ def test_each_path_has_its_colour(tmp_path: Path) -> None:
     found = drives(tmp_path, one=Drive(frames=40), two=Drive(frames=15, contact=True))
     file = tmp_path / "paths.png"
     assert graphnav_draw_paths(found, COLOURS, file) == file
-    assert all(has(file, colour) for colour in (*COLOURS.values(), style.WALL, style.OBSTACLE))
+    assert all(has(file, colour) for colour in (*COLOURS.values(), WALL, OBSTACLE))
 
 
 def test_the_same_logs_give_the_same_bytes(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from PIL import Image as PillowImage
 
-from graphnav import Map
+from graphnav import Scene, SceneArea
 from graphnav.arrays import Bytes, Doubles
 
 _PNG_LEVEL = 3
@@ -54,16 +54,16 @@ class World:
     """The map of the world."""
 
     utime: int
-    world: Map
+    scene: Scene
 
 
 @dataclass(frozen=True)
 class Robot:
-    """The shape of the robot: its radius, and the outline (n, 2) in R of its camera's view on the floor."""
+    """The shape of the robot: its radius, and what its camera sees of the floor in R, None without a camera."""
 
     utime: int
     radius_m: float
-    footprint_m: Doubles
+    seen: SceneArea | None
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from graphnav import Image, Map, Message, Odometry, PictureContext, State
+from graphnav import Image, Message, Odometry, PictureContext, Scene, State
 from graphnav.arrays import Doubles
 from graphnav.core.errors import DrawingError
 from graphnav.core.pictures import Pictures
@@ -75,8 +75,8 @@ class MessageEntries:
         picked = np.linspace(0, len(points) - 1, min(len(points), _MAX_PATH_POINTS)).astype(int)
         return Path(utime, points[picked])
 
-    def robot(self, utime: int, world: Map | None) -> Robot:
+    def robot(self, utime: int, scene: Scene | None) -> Robot:
         """Return the shape of the robot, from the map."""
-        radius_m = world.robot_radius_m if world is not None else _RADIUS_M
-        footprint_m = world.footprint_m if world is not None else np.empty((0, 2))
-        return Robot(utime, radius_m if 0 < radius_m < _MAX_RADIUS_M else _RADIUS_M, footprint_m)
+        radius_m = scene.robot_radius_m if scene is not None else _RADIUS_M
+        seen = scene.seen if scene is not None else None
+        return Robot(utime, radius_m if 0 < radius_m < _MAX_RADIUS_M else _RADIUS_M, seen)

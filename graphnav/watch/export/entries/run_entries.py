@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from graphnav import Map, Odometry, State
+from graphnav import Map, Odometry, Scene, State
 from graphnav.core.pictures import Pictures
 from graphnav.watch.export.entries.entries import Entry, Level, Line, Scalars, World
 from graphnav.watch.export.entries.event_lines import Lines, heading, outcome_lines
@@ -69,10 +69,11 @@ class RunEntries:
         if text:
             yield Line(utime, Level.INFO, text, self.reader.recording.path.name)
         world = self._walk.first(Map)
-        if world is not None and any(self.reader.message_type(name) is Map for name in self.reader.channels):
-            yield World(utime, world)
+        scene = None if world is None else Scene(world)
+        if scene is not None and any(self.reader.message_type(name) is Map for name in self.reader.channels):
+            yield World(utime, scene)
         if self._walk.pose_channel in self.reader.channels:
-            yield self._messages.robot(utime, world)
+            yield self._messages.robot(utime, scene)
 
     def _entries(self, sample: Sample) -> Iterator[Entry]:
         message = self.reader.message(sample.channel, sample.fields)

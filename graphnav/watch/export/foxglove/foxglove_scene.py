@@ -6,12 +6,9 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
-
-from graphnav.arrays import Doubles
-from graphnav.watch.export.entries import map_colours
+from graphnav.arrays import Doubles, Ints
 from graphnav.watch.export.entries.entries import Path, Pose, Robot, World
-from graphnav.watch.export.entries.map_solids import PATH_HEIGHT_M, Body, bodies_of, ring, robot_outline
+from graphnav.watch.export.entries.solids import Rgb, Solid, bodies_of, goal_of, path_of, robot_of
 
 WORLD, ROBOT = "world", "robot"
 """The frame of the map, and of the robot (x forward, y left)."""
@@ -42,13 +39,14 @@ class _Scene:
 
     def world(self, entry: World) -> Any:
         """Return all bodies and the goal, replacing those of the previous map."""
-        bodies = [body for body in bodies_of(entry.world) if body.kind != map_colours.MOVES]
-        entities = [self._entity(f"body-{index}", WORLD, body) for index, body in enumerate(bodies)]
-        moving = [body for body in bodies_of(entry.world) if body.kind == map_colours.MOVES]
-        entities += [self._entity(f"moving-{index}", _moving_frame(index), body) for index, body in enumerate(moving)]
-        if (goal := ring(entry.world.goal_m)) is not None:
-            lines = [self._line(goal, map_colours.GOAL)]
-            entities.append(self._types.SceneEntity(timestamp=self._stamp, frame_id=WORLD, id="goal", lines=lines))
+        entities = [
+            self._entity(f"body-{index}", WORLD, body)
+            if body.moving is None
+            else self._entity(f"moving-{body.moving}", _moving_frame(body.moving), body, is_locked=True)
+            for index, body in enumerate(bodies_of(entry.scene))
+        ]
+        if (goal := goal_of(entry.scene)) is not None:
+            entities.append(self._entity("goal", WORLD, goal))
         all_before = self._types.SceneEntityDeletion(
             timestamp=self._stamp, type=self._types.SceneEntityDeletionType.All
         )
@@ -56,12 +54,7 @@ class _Scene:
 
     def robot(self, entry: Robot) -> Any:
         """Return the robot and its camera's view on the floor, in the robot frame."""
-        lines = [self._line(points, map_colours.ROBOT) for points in robot_outline(entry.radius_m)]
-        if (seen := ring(entry.footprint_m)) is not None:
-            lines.append(self._line(seen, map_colours.SEEN))
-        entity = self._types.SceneEntity(
-            timestamp=self._stamp, frame_id=ROBOT, id=ROBOT, frame_locked=True, lines=lines
-        )
+        entity = self._entity(ROBOT, ROBOT, *robot_of(entry), is_locked=True)
         return self._types.SceneUpdate(entities=[entity])
 
     def pose(self, entry: Pose) -> Iterator[tuple[str, Any]]:
@@ -79,30 +72,27 @@ class _Scene:
 
     def path(self, entry: Path) -> Any:
         """Return the path so far, replacing the previous one."""
-        points = np.column_stack([entry.points_m, np.full(len(entry.points_m), PATH_HEIGHT_M)])
-        lines = [self._line(points, map_colours.ROBOT)]
-        entity = self._types.SceneEntity(timestamp=self._stamp, frame_id=WORLD, id="path", lines=lines)
-        return self._types.SceneUpdate(entities=[entity])
+        return self._types.SceneUpdate(entities=[self._entity("path", WORLD, path_of(entry))])
 
-    def _entity(self, name: str, frame: str, body: Body) -> Any:
-        colour = map_colours.BODIES.get(body.kind, map_colours.OBSTACLE)
-        points, triangles = body.sides()
-        sides = self._types.TriangleListPrimitive(
-            pose=self._pose(0.0, 0.0, 0.0),
-            points=self._points(points),
-            color=self._colour(colour, 0.6),
-            indices=triangles.ravel().tolist(),
-        )
+    def _entity(self, name: str, frame: str, *solids: Solid, is_locked: bool = False) -> Any:
         return self._types.SceneEntity(
             timestamp=self._stamp,
             frame_id=frame,
             id=name,
-            frame_locked=body.kind == map_colours.MOVES,
-            triangles=[sides],
-            lines=[self._line(body.ring(0.0), colour), self._line(body.ring(body.height_m), colour)],
+            frame_locked=is_locked,
+            triangles=[self._triangles(*solid.sides, solid.colour) for solid in solids if solid.sides is not None],
+            lines=[self._line(points, solid.colour) for solid in solids for points in solid.lines],
         )
 
-    def _line(self, points: Doubles, colour: tuple[float, float, float]) -> Any:
+    def _triangles(self, vertices: Doubles, triangles: Ints, colour: Rgb) -> Any:
+        return self._types.TriangleListPrimitive(
+            pose=self._pose(0.0, 0.0, 0.0),
+            points=self._points(vertices),
+            color=self._colour(colour, 0.6),
+            indices=triangles.ravel().tolist(),
+        )
+
+    def _line(self, points: Doubles, colour: Rgb) -> Any:
         return self._types.LinePrimitive(
             type=self._types.LinePrimitiveLineType.LineStrip,
             pose=self._pose(0.0, 0.0, 0.0),
@@ -129,7 +119,7 @@ class _Scene:
     def _points(self, points: Doubles) -> list[Any]:
         return [self._types.Point3(x=x, y=y, z=z) for x, y, z in points.tolist()]
 
-    def _colour(self, rgb: tuple[float, float, float], opacity: float) -> Any:
+    def _colour(self, rgb: Rgb, opacity: float) -> Any:
         red, green, blue = rgb
         return self._types.Color(r=red, g=green, b=blue, a=opacity)
 

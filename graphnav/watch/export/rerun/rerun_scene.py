@@ -5,11 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from graphnav.watch.export.entries import map_colours
 from graphnav.watch.export.entries.entries import Path, Pose, Robot, World
-from graphnav.watch.export.entries.map_solids import PATH_HEIGHT_M, Body, bodies_of, ring, robot_outline
+from graphnav.watch.export.entries.solids import Rgb, Solid, bodies_of, goal_of, path_of, robot_of
 
 SCENE, MAP, ROBOT, PATH = "scene", "scene/map", "scene/robot", "scene/path"
 
@@ -29,40 +26,29 @@ class RerunScene:
         elif isinstance(entry, Pose):
             self._add_pose(entry)
         else:
-            points = np.column_stack([entry.points_m, np.full(len(entry.points_m), PATH_HEIGHT_M)])
-            self._stream.log(PATH, self._rr.LineStrips3D([points], colors=[_bytes(map_colours.ROBOT)]))
+            self._stream.log(PATH, self._lines(path_of(entry)))
 
     def _add_world(self, entry: World) -> None:
-        world = entry.world
         self._stream.log(SCENE, self._rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-        n_moving = 0
-        for index, body in enumerate(bodies_of(world)):
-            entity = f"{MAP}/body_{index}"
-            if body.kind == map_colours.MOVES:
-                entity, n_moving = f"{MAP}/moving_{n_moving}/body", n_moving + 1
-            self._log_body(entity, body)
-        if (goal := ring(world.goal_m)) is not None:
-            self._stream.log(
-                f"{MAP}/goal", self._rr.LineStrips3D([goal], colors=[_bytes(map_colours.GOAL)]), static=True
-            )
-
-    def _log_body(self, entity: str, body: Body) -> None:
-        colour = _bytes(map_colours.BODIES.get(body.kind, map_colours.OBSTACLE))
-        corners, triangles = body.sides()
-        mesh = self._rr.Mesh3D(
-            vertex_positions=corners, triangle_indices=triangles, vertex_colors=[colour] * len(corners)
-        )
-        self._stream.log(f"{entity}/sides", mesh, static=True)
-        rims = self._rr.LineStrips3D([body.ring(0.0), body.ring(body.height_m)], colors=[colour, colour])
-        self._stream.log(f"{entity}/rims", rims, static=True)
+        for index, body in enumerate(bodies_of(entry.scene)):
+            entity = f"body_{index}" if body.moving is None else f"moving_{body.moving}/body"
+            self._stream.log(f"{MAP}/{entity}/sides", self._mesh(body), static=True)
+            self._stream.log(f"{MAP}/{entity}/rims", self._lines(body), static=True)
+        if (goal := goal_of(entry.scene)) is not None:
+            self._stream.log(f"{MAP}/goal", self._lines(goal), static=True)
 
     def _add_robot(self, entry: Robot) -> None:
-        outline = self._rr.LineStrips3D(robot_outline(entry.radius_m), colors=[_bytes(map_colours.ROBOT)])
-        self._stream.log(f"{ROBOT}/outline", outline, static=True)
-        if (seen := ring(entry.footprint_m)) is not None:
-            self._stream.log(
-                f"{ROBOT}/seen", self._rr.LineStrips3D([seen], colors=[_bytes(map_colours.SEEN)]), static=True
-            )
+        for name, solid in zip(("outline", "seen"), robot_of(entry), strict=False):
+            self._stream.log(f"{ROBOT}/{name}", self._lines(solid), static=True)
+
+    def _lines(self, solid: Solid) -> Any:
+        return self._rr.LineStrips3D(solid.lines, colors=[_bytes(solid.colour)] * len(solid.lines))
+
+    def _mesh(self, solid: Solid) -> Any:
+        assert solid.sides is not None
+        vertices, triangles = solid.sides
+        colours = [_bytes(solid.colour)] * len(vertices)
+        return self._rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_colors=colours)
 
     def _add_pose(self, entry: Pose) -> None:
         self._stream.log(ROBOT, self._transform(entry.x_m, entry.y_m, entry.yaw_rad))
@@ -75,6 +61,6 @@ class RerunScene:
         return self._rr.Transform3D(translation=(x_m, y_m, 0.0), rotation=rotation)
 
 
-def _bytes(colour: tuple[float, float, float]) -> tuple[int, int, int]:
+def _bytes(colour: Rgb) -> tuple[int, int, int]:
     red, green, blue = (round(255 * part) for part in colour)
     return red, green, blue

@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from typing import Any
 
 import graphnav_lcm
-import numpy as np
 
-from graphnav import Map
+from graphnav import Map, Scene
 from graphnav.core.codec import DecodeError, decode
 from graphnav.watch.feed import Received, WatchedChannel
 
@@ -22,7 +21,11 @@ def newest_map(channels: Iterable[WatchedChannel]) -> Received | None:
 
 
 def floor_map(data: bytes) -> dict[str, Any] | None:
-    """Return bodies, goal, start and footprint; None if the message is not a map or too large to be drawn."""
+    """Return the areas of the map and the robot's radius; None if the message is not a map or too large to be drawn.
+
+    The page draws areas in the order in which they are given: moving obstacles in their own frames, and what the camera
+    sees of the floor in that of the robot.
+    """
     try:
         world = decode(Map, data)[2]
     except DecodeError:
@@ -30,14 +33,9 @@ def floor_map(data: bytes) -> dict[str, Any] | None:
     lengths = (len(world.vertices_m), len(world.goal_m), len(world.footprint_m), len(world.kind))
     if max(lengths) > _MAX_VERTICES or len(world.body) != len(world.vertices_m) or world.not_finite():
         return None
-    edges = np.searchsorted(world.body, np.arange(len(world.kind) + 1))
+    scene = Scene(world)
+    areas = [*scene.fixed, *scene.moving, *([scene.seen] if scene.seen is not None else [])]
     return {
-        "bodies": [
-            {"kind": int(kind), "outline": world.vertices_m[first:end].tolist()}
-            for kind, first, end in zip(world.kind, edges[:-1], edges[1:], strict=True)
-        ],
-        "start": world.start.tolist(),
-        "goal": world.goal_m.tolist(),
-        "robot_radius_m": world.robot_radius_m,
-        "footprint": world.footprint_m.tolist(),
+        "areas": [None if one is None else {"role": one.role, "outline": one.outline_m.tolist()} for one in areas],
+        "robot_radius_m": scene.robot_radius_m,
     }

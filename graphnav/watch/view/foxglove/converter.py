@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Iterable
 
-from graphnav import About, GraphnavError, Map, Message, Odometry, State
+from graphnav import About, GraphnavError, Map, Message, Odometry, Scene, State
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of
 from graphnav.core.pictures import Pictures
@@ -197,10 +197,11 @@ class Converter:
     def _show_world(self) -> None:
         """Show the map and the robot's shape."""
         world = self._past.find(Map)
-        if world is not None:
-            self._foxglove.add(World(self._now_us, world))
-        if world is not None or self._past.pose_channel is not None:
-            self._foxglove.add(self._messages.robot(self._now_us, world))
+        scene = None if world is None else Scene(world)
+        if scene is not None:
+            self._foxglove.add(World(self._now_us, scene))
+        if scene is not None or self._past.pose_channel is not None:
+            self._foxglove.add(self._messages.robot(self._now_us, scene))
 
     def _show_path(self) -> None:
         path = self._messages.path(self._now_us)

@@ -3,7 +3,7 @@
 import { setText, svg } from "./dom.js";
 
 const MARGIN_M = 0.3;
-const KINDS = ["wall", "obstacle", "moving"];
+const MOVED = ["moving", "seen"];
 
 export class Floor {
   constructor({ box, readout, empty }) {
@@ -39,8 +39,9 @@ export class Floor {
   }
 
   draw() {
-    const all = [...this.points, ...(this.world?.goal ?? []), ...(this.track ? [this.track.pose] : [])];
-    for (const body of this.world?.bodies ?? []) if (body.kind < 2) all.push(...body.outline);
+    const areas = this.world?.areas ?? [];
+    const all = [...this.points, ...(this.track ? [this.track.pose] : [])];
+    for (const area of areas) if (area && !MOVED.includes(area.role)) all.push(...area.outline);
     this.empty.hidden = all.length > 0;
     this.box.hidden = !all.length;
     this.root.replaceChildren();
@@ -53,20 +54,16 @@ export class Floor {
     const [width, height] = [0, 1].map((axis) => this.high[axis] - this.low[axis]);
     this.root.setAttribute("viewBox", `${this.low[0]} ${-this.high[1]} ${width} ${height}`);
     const world = svg("g", { transform: "scale(1,-1)" });
-    if (this.world?.goal.length) world.append(svg("polygon", { class: "goal", points: outline(this.world.goal) }));
-    this.movers = [];
-    for (const body of this.world?.bodies ?? []) {
-      const shape = svg("polygon", { class: KINDS[body.kind] ?? "obstacle", points: outline(body.outline) });
-      if (body.kind === 2) this.movers.push(shape);
-      world.append(shape);
-    }
-    this.seen = svg("polygon", { class: "seen", points: outline(this.world?.footprint ?? []) });
+    const shapes = areas.map((area) => svg("polygon", { class: area?.role, points: outline(area?.outline ?? []) }));
+    world.append(...shapes);
+    this.movers = shapes.filter((_, place) => !areas[place] || areas[place].role === "moving");
+    this.seen = shapes.filter((_, place) => areas[place]?.role === "seen");
     this.path = svg("polyline", { class: "path" });
     const radius = Math.max(this.world?.robot_radius_m || 0.15, 0.012 * Math.max(width, height));
     this.robot = svg(
       "g", { class: "robot" }, svg("circle", { r: radius }), svg("path", { d: `M0,0H${radius * 1.7}` }),
     );
-    world.append(this.seen, this.path, this.robot);
+    world.append(this.path, this.robot);
     this.root.append(world);
     this.moveRobot();
   }
@@ -74,10 +71,10 @@ export class Floor {
   moveRobot() {
     if (!this.path) return;
     const pose = this.track?.pose;
-    for (const node of [this.robot, this.seen]) node.setAttribute("visibility", pose ? "visible" : "hidden");
+    for (const node of [this.robot, ...this.seen]) node.setAttribute("visibility", pose ? "visible" : "hidden");
     if (!pose) return;
     this.path.setAttribute("points", outline([...this.points, pose]));
-    for (const node of [this.robot, this.seen]) node.setAttribute("transform", placed(pose));
+    for (const node of [this.robot, ...this.seen]) node.setAttribute("transform", placed(pose));
     this.movers.forEach((shape, index) => {
       const at = this.track.moving[index];
       if (at) shape.setAttribute("transform", placed(at));
