@@ -1,4 +1,4 @@
-"""Traffic statistics are correct, and bounded for any messages."""
+"""The statistics of channels are correct, and bounded for any messages."""
 
 from __future__ import annotations
 

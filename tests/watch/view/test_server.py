@@ -149,7 +149,7 @@ def test_a_page_gets_the_map_and_the_path(served: Served) -> None:
     with Page(served) as page:
         page.say(kind="view", map=True)
         known = page.until(lambda known: "world" in known and "track" in known)
-        assert [body["kind"] for body in known["world"]["bodies"]] == [0, 0, 1]
+        assert [area["role"] for area in known["world"]["areas"]] == ["goal", "wall", "wall", "obstacle", "seen"]
         assert known["track"]["pose"][0] == pytest.approx(3.9)
         assert len(known["track"]["points"]) == 40
 
