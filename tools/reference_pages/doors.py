@@ -21,7 +21,7 @@ def doors() -> Mapping[str, list[str]]:
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("graphnav.core."):
                     found.setdefault(str(node.module), set()).update(name.name for name in node.names)
-    return {module: sorted(found[module], key=str.lower) for module in sorted(found)}
+    return {module: sorted(found[module], key=lambda name: (name.lower(), name)) for module in sorted(found)}
 
 
 def architecture_page() -> str:
