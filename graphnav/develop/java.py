@@ -1,17 +1,77 @@
-"""Generate LCM types in Java for lcm-spy and other Java programs."""
+"""LCM types in Java, for lcm-spy and other Java programs: the tools of a JDK, the classes, and their jar in a cache."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import shlex
 import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-from graphnav import GraphnavError
+from graphnav import GraphnavError, UserError
+from graphnav.core.machine import no_user_folder, user_folder
 from graphnav.core.typeinfo import definition_files, file_of_lcm
+
+_FULL = {
+    "apt-get": "apt-get install -y default-jdk",
+    "dnf": "dnf install -y java-latest-openjdk-devel",
+    "pacman": "pacman -S jdk-openjdk",
+    "zypper": "zypper install java-devel",
+}
+"""The command that installs a JDK with AWT, by package manager."""
+
+
+@dataclass(frozen=True)
+class Jdk:
+    """The tools on the search path, None if missing; ``missing`` describes what is missing, else empty."""
+
+    java: Path | None
+    javac: Path | None
+    jar: Path | None
+
+    @property
+    def missing(self) -> str:
+        """A description of what is missing to build a jar of types and to open lcm-spy; empty if nothing is."""
+        if self.java is None:
+            return "Java is not installed"
+        if self.javac is None or self.jar is None:
+            return f"Java is installed, but no {'compiler (javac)' if self.javac is None else 'tool jar'}"
+        if not _opens_windows(self.java):
+            return "the installed Java is headless and cannot open windows"
+        return ""
+
+
+def find_jdk() -> Jdk:
+    """Return the tools on the search path."""
+    return Jdk(*(Path(found) if (found := shutil.which(name)) else None for name in ("java", "javac", "jar")))
+
+
+def install_jdk() -> str:
+    """Return the command that installs a complete JDK, as root."""
+    return next((command for tool, command in _FULL.items() if shutil.which(tool)), "install a JDK with AWT")
+
+
+def require_jdk() -> Jdk:
+    """Return a complete JDK; raises UserError, with the command that installs one, if it is incomplete."""
+    jdk = find_jdk()
+    if jdk.missing:
+        raise UserError.of(jdk.missing, f"run as root: {install_jdk()}")
+    return jdk
+
+
+def _opens_windows(java: Path) -> bool:
+    """Whether AWT's library for X11 is installed; true if the directory layout is unknown."""
+    home = java.resolve().parent.parent
+    if not (home / "lib" / "modules").is_file():
+        return True
+    return (home / "lib" / "libawt_xawt.so").is_file()
+
 
 JAR = "types.jar"
 _DEFAULT_PACKAGE = "lcmtypes"
@@ -75,3 +135,37 @@ def _run(command: Sequence[str]) -> None:
     if done.returncode:
         output = (done.stderr or done.stdout).strip().splitlines()
         raise GraphnavError(f"{Path(command[0]).name} failed: {output[0] if output else f'status {done.returncode}'}")
+
+
+_CACHE: Final = "XDG_CACHE_HOME"
+
+
+def types_jar(lcm_classes: Iterable[type]) -> Path:
+    """Return the jar of types and all nested types; build it unless the cache has one of the same content.
+
+    Raises
+    ------
+    UserError
+        No JDK is installed, or the cache cannot be written or has no folder.
+    GraphnavError
+        A tool fails, or is missing in the package ``lcm``.
+    """
+    classes = list(lcm_classes)
+    jdk = require_jdk()
+    content = [version("lcm"), str(jdk.javac and jdk.javac.resolve()), definition_files(classes)]
+    key = hashlib.sha256(json.dumps(content).encode()).hexdigest()[:24]
+    cache = user_folder(_CACHE)
+    if cache is None:
+        raise UserError.of("no folder for the jar of types", no_user_folder(_CACHE))
+    folder = cache / "java"
+    jar = folder / f"types-{key}.jar"
+    try:
+        if jar.is_file():
+            return jar
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            write_java(classes, Path(scratch)).jar.replace(jar)
+    except OSError as error:
+        what = f"cannot write {folder}: {error.strerror}"
+        raise UserError.of(what, f"set {_CACHE} to a writable folder") from error
+    return jar

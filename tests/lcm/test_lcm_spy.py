@@ -22,8 +22,7 @@ from graphnav.core.codec import SHIPPED, encode
 from graphnav.core.messages import Flow, Twist
 from graphnav.core.record import LogWriter
 from graphnav.core.typeinfo import file_of_lcm
-from graphnav.develop.jdk import find_jdk
-from graphnav.develop.types_jar import types_jar
+from graphnav.develop.java import find_jdk, types_jar
 
 from .conftest import TOOLS
 

@@ -14,7 +14,7 @@ from testbed.drives import GRAPHNAV
 from graphnav import Recording
 from graphnav.core.codec import lcm_name
 from graphnav.core.typeinfo import file_of_lcm
-from graphnav.develop.jdk import find_jdk
+from graphnav.develop.java import find_jdk
 
 _SOURCES = Path(__file__).with_name("foreign")
 _ROOT = Path(__file__).resolve().parents[2]

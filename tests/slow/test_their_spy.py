@@ -16,7 +16,7 @@ import pytest
 from testbed.drives import GRAPHNAV, drive
 from testbed.processes import await_file, end, group_url
 
-from graphnav.develop.jdk import find_jdk
+from graphnav.develop.java import find_jdk
 from tests.targets import Targets
 
 from .display import display

@@ -11,7 +11,7 @@ import pytest
 
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.trust import Request, Trust, forget, is_trusted, remember_written, state_file, trusted_folders
-from graphnav.develop.completion.index_cache import cache_file
+from graphnav.develop.completion.index import cache_file
 from graphnav.replay.completed_log import cache_folder
 
 

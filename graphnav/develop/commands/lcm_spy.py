@@ -17,8 +17,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.cli import listed_types
     from graphnav.core.lcm_url import lcm_url
     from graphnav.core.typeinfo import file_of_lcm
-    from graphnav.develop.jdk import require_jdk
-    from graphnav.develop.types_jar import types_jar
+    from graphnav.develop.java import require_jdk, types_jar
 
     url = lcm_url(("URL", args.url))
     require_jdk()

@@ -28,8 +28,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.catalog import ADAPTERS, Catalog
     from graphnav.core.messages import snake_case
     from graphnav.core.spec import STAGE_NAME
-    from graphnav.develop.commands.stage_hints import hints
-    from graphnav.develop.commands.stage_templates import stage_text, test_text
+    from graphnav.develop.commands.stage_templates import hints, stage_text, test_text
 
     for word in (args.family, args.name):
         if not re.fullmatch(STAGE_NAME, word) or keyword.iskeyword(word):

@@ -1,19 +1,17 @@
-"""Answer a shell that asks for completions."""
+"""Answer a shell that asks for completions; the script that makes it ask."""
 
 from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from graphnav import GraphnavError
 from graphnav.core.parameters import Candidates, Completer
-from graphnav.develop.completion.index import Index
-from graphnav.develop.completion.index_cache import installed_index
-from graphnav.develop.completion.overrides import override_candidates
-from graphnav.develop.completion.paths import paths, run_folders
+from graphnav.develop.completion.index import Index, installed_index
 
 _YAML = (".yaml", ".yml")
 _Finder = Callable[[str, list[str], Index], Iterable[str]]
@@ -109,3 +107,82 @@ def _words() -> list[str]:
     line, point = os.environ.get("COMP_LINE", ""), int(os.environ.get("COMP_POINT", "0"))
     before: list[str] = argcomplete.lexers.split_line(line, point)[3]
     return before[1:]
+
+
+_TIMES = ("every_ms", "deadline_ms")
+
+
+def override_candidates(text: str, uses: Mapping[str, str], index: Index, *, many: bool = False) -> Iterator[str]:
+    """Yield completions of an override of a graph whose stages are of the classes ``uses``.
+
+    ``many``: values are separated by commas, as in ``--vary``; the last one is completed.
+    """
+    target, equals, value = text.partition("=")
+    if equals:
+        done = value.rpartition(",")[0] + "," if many and "," in value else ""
+        yield from (f"{target}={done}{one}" for one in _values(target.rstrip("+"), uses, index))
+        return
+    stage, dot, _ = text.partition(".")
+    if not dot:
+        yield from (f"{name}{sign}" for name in uses for sign in "=.")
+        yield "run."
+    elif stage == "run":
+        yield from (f"run.{name}=" for name in index.run_options)
+    elif stage in uses:
+        use = uses[stage]
+        yield from (f"{stage}.{name}=" for name in (*index.params.get(use, ()), *_TIMES))
+        yield from (f"{stage}.in.{port}=" for port in index.ports.get(use, ()))
+
+
+def _values(target: str, uses: Mapping[str, str], index: Index) -> Sequence[str]:
+    stage, dot, param = target.partition(".")
+    if not dot:
+        family = uses.get(stage, "").partition(".")[0]
+        return [use for use in index.params if use.partition(".")[0] == family or stage not in uses]
+    if stage == "run":
+        return index.run_options.get(param, [])
+    if param.startswith("in."):
+        return index.channels
+    return index.params.get(uses.get(stage, ""), {}).get(param, [])
+
+
+RUN_LOG = "run.lcmlog"
+"""The file by which a folder is a run folder."""
+_RUNS = "runs"
+_MAX_RUNS = 20
+
+
+def paths(prefix: str, suffixes: Sequence[str] = ()) -> Iterator[str]:
+    """Yield folders (with a slash behind) and the files with one of ``suffixes``, or all."""
+    folder, slash, start = prefix.rpartition("/")
+    with suppress(OSError):
+        for path in sorted(Path(os.path.expanduser(folder + slash or ".")).iterdir()):
+            if not path.name.startswith(start) or (path.name.startswith(".") and not start):
+                continue
+            if path.is_dir():
+                yield f"{folder}{slash}{path.name}/"
+            elif not suffixes or path.suffix in suffixes:
+                yield f"{folder}{slash}{path.name}"
+
+
+def run_folders(prefix: str) -> Iterator[str]:
+    """Yield run folders, the newest of ``runs/`` first, then other folders and logs."""
+    newest: list[str] = []
+    with suppress(OSError):
+        found = [path.parent for path in Path(_RUNS).glob(f"*/{RUN_LOG}")]
+        newest = list(map(str, sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)[:_MAX_RUNS]))
+    yield from newest
+    for path in paths(prefix, (".lcmlog",)):
+        folder = path.rstrip("/")
+        if folder not in newest:
+            yield folder if path != folder and Path(folder, RUN_LOG).is_file() else path
+
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+def shell_script(shell: str, program: str = "graphnav") -> str:
+    """Return what one of `SHELLS` has to evaluate so that TAB completes the command line of ``program``."""
+    from argcomplete.shell_integration import shellcode
+
+    return shellcode([program], shell=shell).strip() + "\n"

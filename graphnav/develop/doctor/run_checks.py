@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from graphnav import Graph
-from graphnav.develop.doctor.extras import extras
 from graphnav.develop.doctor.finding import Finding
-from graphnav.develop.doctor.installed_programs import java, lcm_wheel
-from graphnav.develop.doctor.instruction_set import portable_logs
+from graphnav.develop.doctor.installation import extras, families, java, lcm_wheel, portable_logs, terminal_graphics
 from graphnav.develop.doctor.network import multicast, receive_buffer
-from graphnav.develop.doctor.plugin_families import families
-from graphnav.develop.doctor.terminal import terminal_graphics
 
 
 def run_checks(graph: Graph | None = None) -> Iterator[Finding]:

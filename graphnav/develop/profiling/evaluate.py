@@ -1,15 +1,17 @@
-"""Turn what a profiled run measured into a profile."""
+"""Turn what a profiled run measured into a profile; and count the threads that libraries used."""
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Iterator
+
+from threadpoolctl import threadpool_info
 
 from graphnav import Graph
 from graphnav.core.runner import Summary
 from graphnav.develop.parameters import Clock
 from graphnav.develop.profiling.flame import Node
-from graphnav.develop.profiling.process_threads import process_threads
 from graphnav.develop.profiling.profile import ChannelTime, Instruments, Profile, StageTime
 from graphnav.develop.profiling.step_functions import Function
 from graphnav.develop.profiling.stopwatch import Part, Span
@@ -136,3 +138,12 @@ def _function(function: Function, step_ms: float) -> Node:
         function.source,
         tuple(_function(one, step_ms) for one in calls),
     )
+
+
+def process_threads() -> dict[str, int]:
+    """Return the number of threads that BLAS may use, and OpenCV where a plugin has loaded it."""
+    found = {"blas": max((pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"), default=1)}
+    opencv = sys.modules.get("cv2")  # the core does not import it
+    if opencv is not None:
+        found["opencv"] = opencv.getNumThreads()
+    return found

@@ -105,9 +105,8 @@ def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -
 def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
     from graphnav.core.lcm_url import live_url
     from graphnav.core.machine import Console
-    from graphnav.live.commands.teaching_progress import teaching_progress
     from graphnav.live.run import run_live
-    from graphnav.live.teaching import Taught
+    from graphnav.live.teaching import Taught, teaching_progress
 
     taught, wanted, report = Taught(graph, channel), args.until_taught, FailureReport(args)
     ends = ["Ctrl-C"] if graph.run.until_s is None else [f"{graph.run.until_s:g} s", "Ctrl-C"]

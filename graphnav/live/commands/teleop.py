@@ -53,8 +53,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav import UserError
     from graphnav.core.bus import Bus
     from graphnav.core.keyboard import Terminal
-    from graphnav.live.teleop import Drive, Session
-    from graphnav.live.teleop.keys import HELP
+    from graphnav.live.teleop import HELP, Drive, Session
 
     if sys.stdin is None or not sys.stdin.isatty():
         raise UserError.of(

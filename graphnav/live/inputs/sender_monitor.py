@@ -10,8 +10,7 @@ from typing import NamedTuple
 from graphnav.live.inputs.delay import Delay
 from graphnav.live.inputs.periods import Periods
 from graphnav.live.inputs.stamp_clock import StampClock
-from graphnav.live.inputs.timeline_candidate import Candidate
-from graphnav.live.inputs.writer_stream import WriterStream
+from graphnav.live.inputs.writer_stream import Candidate, WriterStream
 
 _MAX_GAP_PERIODS = 3.0
 _DEFAULT_PERIODS = 5.0

@@ -11,10 +11,8 @@ import pytest
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Override, load_graph, shipped_graphs
-from graphnav.develop.completion.complete import stages_of
-from graphnav.develop.completion.index import Index, build_index
-from graphnav.develop.completion.index_cache import cache_file, installed_index
-from graphnav.develop.completion.overrides import override_candidates
+from graphnav.develop.completion.complete import override_candidates, stages_of
+from graphnav.develop.completion.index import Index, build_index, cache_file, installed_index
 
 PROGRAM = [sys.executable, "-m", "graphnav"]
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from graphnav.develop.completion import SHELLS, shell_script
-from graphnav.develop.completion.index_cache import installed_index
+from graphnav.develop.completion.index import installed_index
 
 from .terminal import Terminal
 

@@ -25,7 +25,7 @@ from graphnav.core.machine.pins import OPT_OUT, lacking
 from graphnav.core.machine.receive_buffer import ReceiveBuffer
 from graphnav.core.runner.recording.log_forecast import size_text
 from graphnav.develop.doctor import Finding, run_checks
-from graphnav.develop.doctor.message_sizes import message_sizes
+from graphnav.develop.doctor.network import message_sizes
 
 PYTHON = sys.executable
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
@@ -204,7 +204,7 @@ def test_the_terminal_is_asked_and_left_as_it_was(attributes: bytes, kitty: byte
 
     read_end, write_end = os.pipe()
     command = (
-        "from graphnav.develop.doctor.terminal import terminal_graphics\n"
+        "from graphnav.develop.doctor.installation import terminal_graphics\n"
         f"open({write_end}, 'w').write(terminal_graphics().seen)"
     )
     threading.Thread(target=answer, daemon=True).start()

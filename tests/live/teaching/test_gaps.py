@@ -9,8 +9,7 @@ import pytest
 
 from graphnav import Motion, PlanarModel, load
 from graphnav.core.codec import encode
-from graphnav.live.commands.teaching_progress import progress_line
-from graphnav.live.teaching import Coverage, Taught, gaps, why_no_model
+from graphnav.live.teaching import Coverage, Taught, gaps, progress_line, why_no_model
 
 PERIOD_S = 0.1
 SILENT = {"channel": "CAMERA", "accepted": 0, "reasons": (), "rejected": (), "details": ()}

@@ -1,14 +1,18 @@
-"""Parse the fields of an LCM message from YAML; fields that are not given are zero or empty."""
+"""Publish messages whose fields are given as YAML; fields that are not given are zero or empty."""
 
 from __future__ import annotations
 
 import math
+import time
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from graphnav import Place, Problem, UserError, Value, did_you_mean
+from graphnav.core.bus import Bus
 from graphnav.core.codec import EncodeError, Field, codec_of, fields_of, lcm_name
 from graphnav.core.spec import Entry, parse_yaml
-from graphnav.live.publish.scalars import ZEROS, scalar_problem
 
 SOURCE = "FIELDS"
 """Name of the command-line argument in errors."""
@@ -177,3 +181,111 @@ def _zero(field: Field, sizes: dict[str, int]) -> Any:
         return _struct(Value({}, Place(SOURCE)), field.struct, [])
 
     return below(field.dims)
+
+
+_INTEGERS: Mapping[str, tuple[int, int]] = {
+    "int8_t": (-(2**7), 2**7 - 1),
+    "int16_t": (-(2**15), 2**15 - 1),
+    "int32_t": (-(2**31), 2**31 - 1),
+    "int64_t": (-(2**63), 2**63 - 1),
+    "byte": (0, 255),
+}
+_FLOAT_MAX = float(np.finfo(np.float32).max)
+
+ZEROS: Mapping[str, Any] = {**dict.fromkeys(_INTEGERS, 0), "float": 0.0, "double": 0.0, "boolean": False, "string": ""}
+"""Value of a field that is not given."""
+
+
+def scalar_problem(name: str, primitive: str, value: Value) -> Problem | None:
+    """Return the problem with the value of a field, None if it matches the type."""
+    data = value.data
+    if primitive in _INTEGERS:
+        return _integer_problem(name, primitive, value)
+    if primitive == "boolean":
+        fits, wanted, hint = isinstance(data, bool), "a boolean", "write true or false"
+    elif primitive == "string":
+        hint = "put it in quotes" if isinstance(data, bool | int | float) else "write a string"
+        fits, wanted = isinstance(data, str), "a string"
+    else:
+        fits, wanted, hint = (
+            isinstance(data, int | float) and not isinstance(data, bool),
+            f"a number ({primitive})",
+            "write a number",
+        )
+    if not fits:
+        return Problem(value.place, f"'{name}' must be {wanted}, not {value.kind}", hint)
+    if primitive in {"float", "double"} and isinstance(data, int | float):
+        if not math.isfinite(data):
+            return Problem(value.place, f"'{name}' is not finite: {data}", "write a finite number")
+        if primitive == "float" and abs(data) > _FLOAT_MAX:
+            return Problem(
+                value.place,
+                f"'{name}' is {data}, but the maximum of float is {_FLOAT_MAX:.6g}",
+                "write a smaller number",
+            )
+    return None
+
+
+def _integer_problem(name: str, primitive: str, value: Value) -> Problem | None:
+    data, (smallest, largest) = value.data, _INTEGERS[primitive]
+    if isinstance(data, bool) or not isinstance(data, int):
+        what = f"'{name}' must be an integer ({primitive}), not {value.kind}"
+        return Problem(value.place, what, "write an integer")
+    if not smallest <= data <= largest:
+        what = f"'{name}' is {data}, but the range of {primitive} is {smallest} to {largest}"
+        return Problem(value.place, what, "write an integer in this range")
+    return None
+
+
+_SAME_S = 1e-6
+"""Times closer than this are equal: multiples of a period are not exact."""
+
+
+class Publisher:
+    """Publishes a message on a channel.
+
+    If its type has ``utime`` and ``seq`` and they are not given, ``utime`` is the time of day in microseconds and
+    ``seq`` counts from 0. ``count``: number of messages published.
+    """
+
+    def __init__(
+        self, bus: Bus, channel: str, lcm_class: type, fields: Fields, now_ns: Callable[[], int] = time.time_ns
+    ) -> None:
+        self.count = 0
+        self._bus, self._channel, self._now_ns = bus, channel, now_ns
+        self._codec, self._values = codec_of(lcm_class), dict(fields.values)
+        stamps = {field.name for field in fields_of(lcm_class) if field.primitive == "int64_t" and not field.dims}
+        self._filled = ({"utime", "seq"} & stamps) - fields.given
+
+    def publish(self) -> None:
+        """Send the next message; raises BusError if the network refuses it."""
+        if "utime" in self._filled:
+            self._values["utime"] = self._now_ns() // 1000
+        if "seq" in self._filled:
+            self._values["seq"] = self.count
+        self._bus.send(self._channel, self._codec.encode(self._values))
+        self.count += 1
+
+
+def repeat(
+    publish: Callable[[], None],
+    rate_hz: float,
+    n: int | None = None,
+    for_s: float | None = None,
+    now_s: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], None] = time.sleep,
+) -> None:
+    """Call ``publish`` at a rate, ``n`` times, for ``for_s`` seconds, or until something raises.
+
+    A late call delays the following ones: missed calls are not made up for.
+    """
+    begin_s = due_s = now_s()
+    count = 0
+    while n is None or count < n:
+        if for_s is not None and due_s - begin_s > for_s - _SAME_S:
+            return
+        if (wait_s := due_s - now_s()) > 0:
+            sleep(wait_s)
+        publish()
+        count += 1
+        due_s = max(due_s + 1 / rate_hz, now_s())
