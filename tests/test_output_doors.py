@@ -24,9 +24,8 @@ DOORS = {
     "graphnav/core/machine/leftover_threads.py": "runs after the commands, and escapes the names of threads",
     "graphnav/core/cli/status_line.py": "rewrites a line, and escapes what it shows",
     "graphnav/core/cli/lasting_output.py": "the streams below those that escape",
-    "graphnav/watch/commands/spy.py": "asks whether there is a terminal for a full screen",
+    "graphnav/watch/commands/spy.py": "asks whether there is a terminal for a full screen, and queries terminfo",
     "graphnav/core/machine/terminal_graphics.py": "queries the terminal with constants",
-    "graphnav/watch/spy/graphics/terminal_colours.py": "queries terminfo",
     "graphnav/watch/spy/screen/plot_view.py": "reads the colours of plots, which contain numbers only",
 }
 """Files that may use what escapes nothing, with the reason."""

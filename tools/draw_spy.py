@@ -14,7 +14,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen import SpyApp, watch_of
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
-from graphnav.watch.spy.screen.channel_table import ChannelTable
+from graphnav.watch.spy.screen.channels_screen import ChannelTable
 
 ROOT = Path(__file__).resolve().parents[1]
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")

@@ -20,7 +20,7 @@ from graphnav.core.record import LogWriter
 from graphnav.watch.feed import Feed
 from graphnav.watch.spy.screen import SpyApp, watch_of
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
-from graphnav.watch.spy.screen.channel_table import ChannelTable
+from graphnav.watch.spy.screen.channels_screen import ChannelTable
 from graphnav.watch.spy.screen.screen_image import cells_of
 
 TYPES: dict[str, type[Message]] = {

@@ -14,8 +14,7 @@ from graphnav.core.codec import encode
 from graphnav.core.messages import About, Twist
 from graphnav.core.record import LogWriter
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
-from graphnav.watch.spy.screen.channel_table import ChannelTable
-from graphnav.watch.spy.screen.channels_screen import ChannelsScreen
+from graphnav.watch.spy.screen.channels_screen import ChannelsScreen, ChannelTable
 from graphnav.watch.spy.screen.field_tree import FieldTree
 from graphnav.watch.spy.screen.keys_screen import KeysScreen
 from graphnav.watch.spy.screen.picture_view import PictureView

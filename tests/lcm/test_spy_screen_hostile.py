@@ -10,7 +10,7 @@ from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Twist
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
-from graphnav.watch.spy.screen.channel_table import ChannelTable
+from graphnav.watch.spy.screen.channels_screen import ChannelTable
 
 from .spy_app import drive, screen_text, until
 

@@ -26,8 +26,8 @@ from graphnav import Recording
 from graphnav.core.messages import About
 from graphnav.core.run_folder import RunFolder
 from graphnav.watch.export.entries.topics import Topics
-from graphnav.watch.export.foxglove.foxglove_channels import TOPICS
-from graphnav.watch.export.tables.scalar_fields import Scalar, leaves_of
+from graphnav.watch.export.foxglove import TOPICS
+from graphnav.watch.export.scalar_fields import Scalar, leaves_of
 from tests.targets import Targets
 
 from .display import display

@@ -58,8 +58,8 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.watch.commands.echo_formats import CsvRows, EchoedMessage, JsonLines, Lines
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.feed import Feed, Watch
+    from graphnav.watch.fields.field_columns import Selection
     from graphnav.watch.fields.field_path import parse_field
-    from graphnav.watch.fields.selection import Selection
 
     if args.csv and args.full:
         raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))

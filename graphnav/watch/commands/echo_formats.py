@@ -14,10 +14,9 @@ from graphnav.core.errors import printable, shown_name
 from graphnav.core.field_summary import described, summarised
 from graphnav.core.notices import print_notice
 from graphnav.watch.feed import Received
-from graphnav.watch.fields.field_columns import all_columns, columns_of
+from graphnav.watch.fields.field_columns import Selection, all_columns, columns_of
 from graphnav.watch.fields.field_path import MISSING, FieldPath
 from graphnav.watch.fields.plain_values import nested, plain
-from graphnav.watch.fields.selection import Selection
 from graphnav.watch.spy import size_of
 
 

@@ -16,7 +16,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.record import find_log
     from graphnav.core.tables import plain_table, print_folded
     from graphnav.watch.loginfo import as_json, as_text, survey
-    from graphnav.watch.loginfo.info_text import HEADINGS, damage, rows
+    from graphnav.watch.loginfo.summary import HEADINGS, damage, rows
 
     load_types_of(args)
     info = survey(find_log(args.log))

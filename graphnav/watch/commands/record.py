@@ -16,6 +16,8 @@ from graphnav.watch.commands.options import CHANNELS, channels_of
 from graphnav.watch.commands.quantities import size, split
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from graphnav.core.interrupts import Interrupt
     from graphnav.watch.recorder import Recorder
 
@@ -31,6 +33,7 @@ graphnav.about, the description of a run, is always recorded, as the first messa
 The definitions of the types of --types are added to it, so that the log decodes alone.
 lcm-logplayer and 'graphnav play' play the log. Ctrl-C, SIGTERM and SIGHUP end the recording.
 """
+_MAX_ROWS = 100
 
 
 @command(
@@ -65,7 +68,6 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.interrupts import Interrupt
     from graphnav.core.lcm_url import lcm_url
     from graphnav.core.notices import print_notice
-    from graphnav.watch.commands.record_summary import print_recorded
     from graphnav.watch.recorder import buffer_notice
 
     types = load_types_of(args)
@@ -84,7 +86,7 @@ def main(args: argparse.Namespace) -> int:
         finally:
             interrupt.settle()
             recorder.close()
-    print_recorded(recorder, url)
+    _print_recorded(recorder, url)
     return Exit.FAILED if recorder.failure else Exit.OK
 
 
@@ -118,7 +120,6 @@ def _opened(args: argparse.Namespace, url: str, path: Path, definitions: str) ->
 def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> None:
     """Show the progress until the end, or until a write fails."""
     from graphnav.core.runner import size_text
-    from graphnav.watch.commands.record_summary import losses
 
     begin_s = shown_s = time.monotonic()
     end_s = begin_s + for_s if for_s is not None else math.inf
@@ -136,5 +137,46 @@ def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> Non
             status.show(
                 f"{now_s - begin_s:.1f} s  {counted(statistics.n_messages, 'message')} on "
                 f"{counted(len(statistics.channels), 'channel')}  "
-                f"{size_text(statistics.n_bytes)}  {size_text(rate)}/s  {'; '.join(losses(recorder)) or 'nothing lost'}"
+                f"{size_text(statistics.n_bytes)}  {size_text(rate)}/s  "
+                f"{'; '.join(_losses(recorder)) or 'nothing lost'}"
             )
+
+
+def _losses(recorder: Recorder) -> Iterator[str]:
+    """Yield the losses by cause, if there are any."""
+    if lost := recorder.statistics.lost:
+        yield f"{counted(lost, 'message')} lost (missing sequence numbers)"
+    if recorder.dropped_packets:
+        yield f"{counted(recorder.dropped_packets, 'packet')} dropped by the kernel"
+    if recorder.dropped:
+        yield f"{counted(recorder.dropped, 'message')} not written"
+    if recorder.unnamed:
+        yield f"{counted(recorder.unnamed, 'message')} on a channel without a name"
+
+
+def _print_recorded(recorder: Recorder, url: str) -> None:
+    """Print a table of the channels, the losses and the files."""
+    from graphnav.core.errors import shown_name
+    from graphnav.core.runner import size_text
+    from graphnav.core.tables import plain_table, print_folded
+
+    statistics = recorder.statistics
+    if not statistics.n_messages:
+        print(f"no message on {url}")
+    else:
+        rows = []
+        for name in sorted(statistics.channels)[:_MAX_ROWS]:
+            channel = statistics.channels[name]
+            kind = channel.kind.name if channel.kind is not None else f"unknown, {channel.fingerprint.hex()}"
+            lost = f"{channel.lost:,}" if channel.lost is not None else ""
+            rows.append((shown_name(name), kind, f"{channel.count:,}", size_text(channel.n_bytes), lost))
+        print_folded(plain_table(("channel", "type", "messages", "size", "lost"), rows))
+        if (n_more := len(statistics.channels) - _MAX_ROWS) > 0:
+            print(f"and {counted(n_more, 'more channel')}")
+        if statistics.others.count:
+            print(f"and {counted(statistics.others.count, 'message')} on further channels")
+    said = "; ".join(_losses(recorder)) or "nothing lost"
+    print(f"{counted(statistics.n_messages, 'message')}, {size_text(statistics.n_bytes)}; {said}")
+    files = recorder.files.paths
+    names = str(files[0]) if len(files) == 1 else f"{files[0]} to {files[-1].name} ({len(files)} files)"
+    print(f"{names}: {size_text(sum(file.stat().st_size for file in files if file.exists()))}")

@@ -25,6 +25,7 @@ _REFRESH_S = 0.5
 _PRINT_S = 2.0
 _HINT_S = 3.0
 """A longer silence of the group is reported, once."""
+_MIN_COLOURS = 8
 _PLAIN_TERMINALS = {"dumb", "unknown", ""}
 
 
@@ -81,11 +82,22 @@ def _has_screen() -> bool:
     return is_terminal and os.environ.get("TERM", "dumb") not in _PLAIN_TERMINALS
 
 
+def _has_colours() -> bool:
+    """Whether the terminal's description names colours; an unknown terminal counts as one that has them."""
+    import curses
+
+    if os.environ.get("COLORTERM") or sys.__stdout__ is None:
+        return True
+    try:
+        curses.setupterm(fd=sys.__stdout__.fileno())
+    except curses.error:
+        return True
+    return curses.tigetnum("colors") >= _MIN_COLOURS
+
+
 def _full_screen(feed: Feed, catalog: Catalog, graphics: str) -> int:
     """Show the feed until the user leaves."""
-    from graphnav.watch.spy.graphics.terminal_colours import has_colours
-
-    if not has_colours():
+    if not _has_colours():
         os.environ["NO_COLOR"] = "1"
     from graphnav.watch.spy.screen import SpyApp, painters, run_app, watch_of
 

@@ -5,23 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-from graphnav import UserError
+import numpy as np
+
+from graphnav import Image, UserError
 from graphnav.core.catalog import Catalog
 from graphnav.core.pictures import Pictures
+from graphnav.watch.export.entries.entries import Entry
 from graphnav.watch.export.entries.run_entries import RunEntries
-from graphnav.watch.export.entries.viewer_file import write_entries
 from graphnav.watch.export.extras import require
-from graphnav.watch.export.foxglove.mcap_file import McapFile
-from graphnav.watch.export.pictures import write_pictures
+from graphnav.watch.export.files import placed_file, placed_folder
+from graphnav.watch.export.foxglove import McapFile
 from graphnav.watch.export.reader import Reader
-from graphnav.watch.export.rerun.rerun_blueprint import blueprint_of
-from graphnav.watch.export.rerun.rerun_file import RerunFile
+from graphnav.watch.export.rerun import RerunFile, blueprint_of
 from graphnav.watch.export.selection import Selection
-from graphnav.watch.export.tables.csv_table import open_csv
-from graphnav.watch.export.tables.parquet_table import open_parquet
-from graphnav.watch.export.tables.tables import OpenTable, write_tables
+from graphnav.watch.export.tables import OpenTable, open_csv, open_parquet, write_tables
 from graphnav.watch.export.video import write_video
 
 
@@ -109,3 +108,81 @@ FORMATS: dict[str, Callable[[Job], Written]] = {
     "rrd": _rrd,
 }
 """The writer of each format."""
+
+
+class ViewerFile(Protocol):
+    """A sink for the entries of a run."""
+
+    def add(self, entry: Entry) -> None:
+        """Write an entry."""
+
+    def close(self) -> None:
+        """Write buffered entries and close the file."""
+
+
+def write_entries(
+    entries: RunEntries, target: Path, suffix: str, open_file: Callable[[Path], ViewerFile], *, force: bool
+) -> None:
+    """Write the entries of a run into the file ``target``.
+
+    Raises
+    ------
+    UserError
+        The selection has no decodable message, or the target is not writable.
+    GraphnavError
+        Writing fails.
+    """
+    with placed_file(target, suffix, source=entries.reader.recording.path, force=force) as file:
+        sink = open_file(file)
+        try:
+            for entry in entries:
+                sink.add(entry)
+        finally:
+            sink.close()
+        if not entries.reader.read.total():
+            raise UserError.of(
+                f"nothing to export from {entries.reader.recording.path}: no message can be decoded",
+                "select other channels with --channel, or another span with --from and --until",
+            )
+
+
+def write_pictures(reader: Reader, target: Path, channel: str | None, *, force: bool) -> tuple[int, list[Path]]:
+    """Write every image of ``channel`` to the folder ``target``; return their number and the files.
+
+    Files are Netpbm (``.pgm`` for gray, ``.ppm`` for colour), which holds the pixels as they are, and are named by the
+    images' stamps in microseconds.
+
+    Raises
+    ------
+    UserError
+        No channel of images is selected, or the target is not writable.
+    GraphnavError
+        Writing fails.
+    """
+    images = [name for name in reader.recording.channels if reader.message_type(name) is Image]
+    selected = [name for name in images if name in reader.channels]
+    if channel is None and len(selected) == 1:
+        channel = selected[0]
+    if channel is None or channel not in images:
+        what = (
+            f"{len(selected)} channels of images are selected"
+            if channel is None
+            else f"channel '{channel}' holds no images"
+        )
+        known = f"select one with --channel: {', '.join(images)}" if images else "export a log that holds images"
+        raise UserError.of(what, known)
+    names = []
+    with placed_folder(target, source=reader.recording.path, force=force) as folder:
+        for sample in reader.of(channel):
+            image = reader.message(channel, sample.fields)
+            if isinstance(image, Image):
+                name = f"{sample.fields['utime']:016d}.{'pgm' if image.pixels.ndim == 2 else 'ppm'}"
+                (folder / name).write_bytes(_netpbm(image))
+                names.append(name)
+    return len(names), [target / name for name in names]
+
+
+def _netpbm(image: Image) -> bytes:
+    rows, cols = image.pixels.shape[:2]
+    kind = "P5" if image.pixels.ndim == 2 else "P6"
+    return f"{kind}\n{cols} {rows}\n255\n".encode() + np.ascontiguousarray(image.pixels).tobytes()

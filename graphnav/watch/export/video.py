@@ -14,7 +14,7 @@ from graphnav.arrays import Bytes
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import DrawingError
 from graphnav.core.pictures import DRAWING_FAMILY, Pictures, drawing
-from graphnav.watch.export.files.atomic_path import placed_file
+from graphnav.watch.export.files import placed_file
 from graphnav.watch.export.log_pass import LogPass
 from graphnav.watch.export.reader import Reader
 from graphnav.watch.export.selection import Selection

@@ -10,12 +10,29 @@ from graphnav.core.codec import DecodeError
 from graphnav.core.errors import LogError
 from graphnav.core.messages import Gap
 from graphnav.core.record import ChannelCounts, Damaged, TruncatedEvent, kind_of
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import ProgressFile
 from graphnav.watch.loginfo.log_origin import LogOrigin, origin_of
-from graphnav.watch.loginfo.unfinished import unfinished
 
 _WALL_US = 1_000_000_000_000_000
 """Stamps from September 2001 on are wall time; simulated time begins at 0."""
 _FINGERPRINT_BYTES = 8
+
+
+def unfinished(log: Path) -> str:
+    """Return that the run of a log did not finish, and its last call into a stage as far as that is known.
+
+    Empty if it finished, or if the log is not that of a run folder.
+    """
+    folder = log.parent
+    if log.name != RunFolder.LOG or not (folder / RunFolder.GRAPH).is_file() or (folder / RunFolder.SUMMARY).is_file():
+        return ""
+    if ProgressFile.is_running(folder):
+        return "the run has not finished: its process still runs"
+    call = ProgressFile.last_call(folder)
+    return "the run did not finish: its process ended early" + (
+        f"; the last call was {call}" if call is not None else ""
+    )
 
 
 class ChannelInfo(ChannelCounts):

@@ -1,7 +1,6 @@
 """Show the channels of a multicast group or a log: types, rates, sizes, contents."""
 
-from graphnav.watch.spy.health.health_json import health_as_json
-from graphnav.watch.spy.health.health_text import health_as_text
+from graphnav.watch.spy.health import health_as_json, health_as_text
 from graphnav.watch.spy.traffic_report import (
     as_json,
     as_text,

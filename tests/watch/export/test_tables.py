@@ -20,7 +20,7 @@ from graphnav.core.codec import codec_of, encode, type_named
 from graphnav.core.messages import About
 from graphnav.core.record import LogWriter, Recording
 from graphnav.watch.export import export_log
-from graphnav.watch.export.tables.scalar_fields import leaves_of
+from graphnav.watch.export.scalar_fields import leaves_of
 
 INTS = {
     name: st.integers(-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)

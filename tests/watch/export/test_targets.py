@@ -14,7 +14,7 @@ from graphnav.core.cli import main
 from graphnav.core.errors import GraphnavError
 from graphnav.core.runner.recording.log_forecast import size_text
 from graphnav.watch.export import FORMATS
-from graphnav.watch.export.files.atomic_path import placed_file, placed_folder
+from graphnav.watch.export.files import placed_file, placed_folder
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 

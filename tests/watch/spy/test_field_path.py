@@ -19,9 +19,8 @@ from graphnav.core.codec import codec_of, encode
 from graphnav.core.errors import UserError
 from graphnav.core.messages import Flow, GuardState, State, Twist
 from graphnav.core.record import LogWriter
-from graphnav.watch.fields.field_columns import all_columns, columns_of
+from graphnav.watch.fields.field_columns import Selection, all_columns, columns_of
 from graphnav.watch.fields.field_path import MISSING, parse_field
-from graphnav.watch.fields.selection import Selection
 
 ARRAY = np.arange(24).reshape(2, 3, 4)
 INDEX = st.one_of(

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphnav.watch.spy.graphics.half_blocks import half_blocks, run_of, shades
+from graphnav.watch.spy.screen.painters.block_painter import half_blocks, run_of, shades
 
 
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))

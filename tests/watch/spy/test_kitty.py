@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from graphnav.arrays import Bytes
-from graphnav.watch.spy.graphics.kitty import delete, put
+from graphnav.watch.spy.screen.painters.kitty_painter import delete, put
 
 _SEQUENCE = re.compile(r"\x1b_G([^;]*)(?:;([A-Za-z0-9+/=]*))?\x1b\\")
 _CHUNK = 4096

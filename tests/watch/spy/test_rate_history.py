@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graphnav.watch.feed.channel import SECONDS, RateHistory
-from graphnav.watch.spy.graphics.sparkline import sparkline
+from graphnav.watch.spy.screen.columns import sparkline
 
 
 def test_complete_seconds_are_counted_and_the_current_one_is_not() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from graphnav.arrays import Bools, Bytes
-from graphnav.watch.spy.graphics.sixel import SCALES, sixels
+from graphnav.watch.spy.screen.painters.sixel_painter import SCALES, sixels
 
 _SEQUENCE = re.compile(r'\x1bP0;1;0q"1;1;(\d+);(\d+)(.*)\x1b\\', re.DOTALL)
 _TOKEN = re.compile(r"#(\d+);2;(\d+);(\d+);(\d+)|#(\d+)|!(\d+)([?-~])|([?-~])|([$-])")

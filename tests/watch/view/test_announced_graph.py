@@ -17,8 +17,7 @@ from graphnav.core.messages import About
 from graphnav.core.render.boxes import boxes_of
 from graphnav.core.render.geometry import geometry_of
 from graphnav.core.runner.recording.run_recorded import about_of
-from graphnav.watch.view.content.announced_graph import announced_graph
-from graphnav.watch.view.content.layout import layout_of
+from graphnav.watch.view.content.announced_graph import announced_graph, layout_of
 
 CATALOG = Catalog()
 

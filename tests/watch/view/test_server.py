@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from graphnav.watch.view.web.page_files import page_files
+from graphnav.watch.view.web.server import page_files
 
 from .drive import MARKUP
 from .served import Page, Served

@@ -1,9 +1,8 @@
 """The full-screen ``graphnav spy``: a table of channels, and a view of one channel: fields, plots, picture."""
 
 from graphnav.watch.feed import Feed
-from graphnav.watch.spy.screen.app import SpyApp
+from graphnav.watch.spy.screen.app import SpyApp, run_app
 from graphnav.watch.spy.screen.painters.choose_painter import painters
-from graphnav.watch.spy.screen.run_app import run_app
 from graphnav.watch.spy.watch.live_watch import LiveWatch
 from graphnav.watch.spy.watch.log_watch import LogWatch
 

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
+import signal
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import ClassVar
 
+from rich.cells import cell_len, set_cell_size
+from rich.segment import Segment
 from textual.app import App
 from textual.binding import Binding, BindingType
+from textual.color import Color
 from textual.filter import LineFilter
 
 from graphnav.core.catalog import Catalog
+from graphnav.core.errors import printable
+from graphnav.core.interrupts import plain_ctrl_c
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
 from graphnav.watch.spy.screen.channels_screen import ChannelsScreen
-from graphnav.watch.spy.screen.escape_filter import EscapeFilter
 from graphnav.watch.spy.screen.keys_screen import KeysScreen
 from graphnav.watch.spy.screen.painters.block_painter import BlockPainter
 from graphnav.watch.spy.screen.painters.painter import Painter
@@ -28,6 +34,22 @@ from graphnav.watch.spy.watch.log_watch import LogWatch
 _TICK_S = 0.1
 _LIVE_ONLY = {"freeze", "record"}
 _LOG_ONLY = {"play", "step", "skip"}
+
+
+class EscapeFilter(LineFilter):
+    """Escapes the text of a line and keeps its width; pictures as escape sequences do not pass through filters."""
+
+    def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
+        """Return the segments of a line."""
+        del background
+        return [segment if segment.control else _escaped(segment) for segment in segments]
+
+
+def _escaped(segment: Segment) -> Segment:
+    text = printable(segment.text)
+    if text == segment.text:
+        return segment
+    return Segment(set_cell_size(text, cell_len(segment.text)), segment.style)
 
 
 class SpyApp(App[None]):
@@ -159,3 +181,25 @@ class SpyApp(App[None]):
 
 def _time() -> str:
     return time.strftime("%Y%m%d-%H%M%S")
+
+
+def run_app(app: SpyApp) -> int:
+    """Run the app; return the exit status: 0, or 128 + N after signal N.
+
+    After SIGTERM and SIGHUP the terminal is restored. A second signal ends the program immediately.
+    """
+    with plain_ctrl_c():
+        asyncio.run(_run(app))
+    return app.return_code or 0
+
+
+async def _run(app: SpyApp) -> None:
+    loop = asyncio.get_running_loop()
+
+    def leave(number: signal.Signals) -> None:
+        loop.remove_signal_handler(number)
+        app.leave(128 + number)
+
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        loop.add_signal_handler(number, leave, number)
+    await app.run_async()

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from rich.cells import cell_len, set_cell_size
 
 from graphnav.core.errors import shown_name
-from graphnav.watch.spy.graphics.sparkline import sparkline
 from graphnav.watch.spy.traffic_report import size_of
 from graphnav.watch.spy.watch.row import Row
 
+_BARS = "▁▂▃▄▅▆▇█"
 GAP = 1
 _MAX_NAME, _MAX_SPARK = 40, 60
 _MAX_COUNT = 10**7
 _BEFORE_BARS = 2
 """Columns beside the name that matter more than the bars."""
+
+
+def sparkline(counts: Sequence[int], width: int) -> str:
+    """Return the newest ``width`` counts as bars from the right, the maximum as a full bar, 0 as a space."""
+    newest = list(counts)[-width:] if width > 0 else []
+    highest = max(newest, default=0)
+    bars = [_BARS[-(-count * len(_BARS) // highest) - 1] if count else " " for count in newest]
+    return "".join(bars).rjust(width)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from textual.geometry import Region
 from textual.screen import Screen
 from textual.widget import Widget
 
-from graphnav.watch.spy.graphics.half_blocks import UPPER_HALF
+from graphnav.watch.spy.screen.painters.block_painter import UPPER_HALF
 from graphnav.watch.spy.screen.picture_view import PictureView
 
 _FONT = Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSansMono.ttf"

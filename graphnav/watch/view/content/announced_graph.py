@@ -1,24 +1,27 @@
-"""Make the boxes of an announced graph, without loading code except installed stages."""
+"""The drawing of an announced graph: the boxes and paths of ``graphnav draw``; loads no code but installed stages."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from graphnav import About, Message, Source, UserError
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError
 from graphnav.core.graph import Channel
-from graphnav.core.render import Box, InPort, Kind, OutPort
+from graphnav.core.render import Box, InPort, Kind, OutPort, PlacedBox, PlacedWire, Sizes, geometry_of
 from graphnav.core.spec import Entry, InputSpec, OutputSpec, Spec, StageSpec, outline_of
 from graphnav.core.stage import Port, ports_of
 
 _MAX_BOXES = 200
 _MAX_PORTS = 64
 _MAX_NAME = 128
-
 T = TypeVar("T")
+_SIZES = Sizes(char=7.2, min_chars=17, row=32.0, gap_x=96.0, lane=62.0, foot=30.0)
+_LABEL = 50.0
+"""Space for rate, latency and losses on every wire, which runs straight below them, and after the last box; and for
+the step time in every box."""
 
 
 @dataclass(frozen=True)
@@ -147,3 +150,58 @@ def _short(section: Mapping[str, T]) -> dict[str, T]:
 def _text(entry: Entry | None) -> str:
     """Return a string of the graph, empty where it is not given or something else."""
     return entry.value.data if entry is not None and isinstance(entry.value.data, str) else ""
+
+
+def layout_of(graph: AnnouncedGraph) -> dict[str, Any]:
+    """Return boxes, wires and the LCM channels of each reference, in SVG units."""
+    drawing = geometry_of(graph.boxes, _SIZES)
+    return {
+        "about": graph.about,
+        "width": drawing.width + _LABEL,
+        "height": drawing.height,
+        "boxes": [_box(placed) for placed in drawing.boxes.values()],
+        "wires": [_wire(placed) for placed in drawing.wires],
+        "names": graph.names,
+    }
+
+
+def _box(placed: PlacedBox) -> dict[str, Any]:
+    box: Box = placed.box
+    return {
+        "key": box.key,
+        "name": box.name,
+        "use": box.use,
+        "kind": box.kind,
+        "x": placed.x,
+        "y": placed.y,
+        "width": placed.width,
+        "height": placed.height,
+        "foot": _SIZES.foot,
+        "colour": placed.colour,
+        "inputs": [
+            {"name": port.name, "y": placed.port_y(port.name, is_input=True), "open": port.channel is None}
+            for port in box.inputs
+        ],
+        "outputs": [
+            {
+                "name": port.name,
+                "alias": port.alias,
+                "ref": port.channel.ref,
+                "y": placed.port_y(port.name, is_input=False),
+            }
+            for port in box.outputs
+        ],
+    }
+
+
+def _wire(placed: PlacedWire) -> dict[str, Any]:
+    wire = placed.wire
+    return {
+        "ref": wire.channel.ref,
+        "reader": f"{wire.reader}.{wire.port}",
+        "sampled": wire.latest,
+        "path": placed.path,
+        "start": placed.start,
+        "end": placed.end,
+        "colour": placed.colour,
+    }

@@ -13,15 +13,15 @@ from graphnav.core.record import kind_of
 from graphnav.watch.export.entries.entries import Level, Line, Scalars, World
 from graphnav.watch.export.entries.event_lines import LINE_TYPES, Lines, heading
 from graphnav.watch.export.entries.message_entries import MessageEntries
-from graphnav.watch.export.foxglove.foxglove_channels import LOG_TOPIC, TOPICS, FoxgloveChannels
-from graphnav.watch.export.foxglove.foxglove_scene import (
+from graphnav.watch.export.foxglove import LOG_TOPIC, TOPICS, FoxgloveChannels
+from graphnav.watch.export.foxglove_scene import (
     MAP_TOPIC,
     PATH_TOPIC,
     POSE_TOPIC,
     ROBOT_TOPIC,
     TRANSFORM_TOPIC,
 )
-from graphnav.watch.export.message_types import MessageTypes
+from graphnav.watch.export.reader import MessageTypes
 from graphnav.watch.feed import Announcements, Received
 from graphnav.watch.view.foxglove.arrivals import Arrival, Batch
 from graphnav.watch.view.foxglove.losses import Losses, Reason

@@ -10,7 +10,7 @@ from graphnav import Message, Odometry, State
 from graphnav.arrays import Doubles
 from graphnav.core.codec import DecodeError, codec_of
 from graphnav.watch.export.log_pass import POSES
-from graphnav.watch.export.message_types import MessageTypes
+from graphnav.watch.export.reader import MessageTypes
 from graphnav.watch.view.foxglove.arrivals import Arrival
 
 M = TypeVar("M", bound=Message)

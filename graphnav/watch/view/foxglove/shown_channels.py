@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from graphnav import About, Message
 from graphnav.core.codec import type_named
 from graphnav.watch.export.entries.message_entries import may_have_picture
-from graphnav.watch.export.foxglove.foxglove_channels import FoxgloveChannels
-from graphnav.watch.export.message_types import MessageTypes
+from graphnav.watch.export.foxglove import FoxgloveChannels
+from graphnav.watch.export.reader import MessageTypes
 from graphnav.watch.view.foxglove.arrivals import Arrival
 
 _MAX_CHANNELS = 240

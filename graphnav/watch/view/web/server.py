@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from http import HTTPStatus
-from typing import Any, TypeVar
+from importlib.resources import files
+from typing import Any, NamedTuple, TypeVar
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
@@ -22,11 +23,25 @@ from graphnav.watch.feed import LogFeed
 from graphnav.watch.view.page_feed import PageFeed
 from graphnav.watch.view.session import Session
 from graphnav.watch.view.web.hosts import Hosts, url_of
-from graphnav.watch.view.web.page_files import SECURITY_HEADERS, page_files
 from graphnav.watch.view.web.page_requests import LogCommand, RequestError, Shown, View, parse_request
 
+_TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+_INDEX = "index.html"
+SECURITY_HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+"""Restricts loading, sending and framing to this server's pages; LCM data cannot become a script."""
 T = TypeVar("T")
-
 UPDATES = "/updates"
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
 _MAX_PAGES = 8
@@ -34,6 +49,24 @@ _MAX_REQUEST_BYTES = 4096
 _UPDATE_S = 0.2
 _CLOSE_S = 1.0
 """The maximum wait for a hanging browser at shutdown."""
+
+
+class PageFile(NamedTuple):
+    """A file and its content type."""
+
+    content_type: str
+    body: bytes
+
+
+def page_files() -> Mapping[str, PageFile]:
+    """Return every file of the page by its route; the only other route is that of the updates."""
+    found = {}
+    for file in files("graphnav.watch.view.web").joinpath("page").iterdir():
+        content_type = _TYPES.get(file.name[file.name.rfind(".") :])
+        if content_type is not None:
+            route = "/" if file.name == _INDEX else f"/{file.name}"
+            found[route] = PageFile(content_type, file.read_bytes())
+    return found
 
 
 class PageServer:

@@ -2,23 +2,47 @@
 
 from __future__ import annotations
 
+import base64
 import itertools
 import math
 import os
+import zlib
 from collections.abc import Callable
 
 from textual.strip import Strip
 
 from graphnav.arrays import Bytes
-from graphnav.watch.spy.graphics.kitty import delete, put
-from graphnav.watch.spy.screen.painters.painter import Cells, centred
-from graphnav.watch.spy.screen.painters.raw_strips import raw_strips
+from graphnav.watch.spy.screen.painters.painter import Cells, centred, raw_strips
 
+_CHUNK = 4096
+"""The protocol's limit for the characters of one sequence."""
+_FAST = 1
 _MAX_PX = 150_000
 """The maximum number of pixels; in a larger view the terminal scales the picture up."""
 _NOTHING = Cells(0, 0, 0, 0)
 _IDS = itertools.count(os.getpid() << 8)
 """Two ids per view, so that a closed view does not delete the picture of the next one."""
+
+
+def put(picture: Bytes, image_id: int, rows: int, cols: int) -> str:
+    """Return the sequences that show a picture (rows, cols, 3) on ``rows`` x ``cols`` cells, from the cursor on.
+
+    The cursor does not move, and the terminal does not answer. ``image_id``: 1 to 2**32 - 1; an existing image with
+    this id is replaced.
+    """
+    data = base64.standard_b64encode(zlib.compress(picture.tobytes(), _FAST)).decode("ascii")
+    height, width = picture.shape[:2]
+    keys = f"a=T,q=2,C=1,f=24,o=z,s={width},v={height},i={image_id},p=1,c={cols},r={rows},"
+    chunks = [data[at : at + _CHUNK] for at in range(0, len(data), _CHUNK)]
+    last = len(chunks) - 1
+    return "".join(
+        f"\x1b_G{keys if place == 0 else ''}m={int(place < last)};{chunk}\x1b\\" for place, chunk in enumerate(chunks)
+    )
+
+
+def delete(image_id: int) -> str:
+    """Return the sequence that deletes an image from the screen and from the terminal's memory."""
+    return f"\x1b_Ga=d,d=I,q=2,i={image_id}\x1b\\"
 
 
 class KittyPainter:

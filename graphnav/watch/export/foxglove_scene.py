@@ -14,7 +14,6 @@ WORLD, ROBOT = "world", "robot"
 """The frame of the map, and of the robot (x forward, y left)."""
 MAP_TOPIC, ROBOT_TOPIC, PATH_TOPIC, POSE_TOPIC = "/scene/map", "/scene/robot", "/scene/path", "/scene/pose"
 TRANSFORM_TOPIC = "/tf"
-
 _LINE_PX = 3.0
 
 

@@ -1,14 +1,20 @@
-"""Log entries as Foxglove messages, to files or servers."""
+"""Foxglove's channels with its schemas, which it shows without a plugin; on a file, MCAP."""
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from graphnav.core.codec import fields_of, lcm_name
 from graphnav.core.errors import printable, shown_name
 from graphnav.watch.export.entries.entries import Entry, Level, Line, Picture, Scalars
 from graphnav.watch.export.entries.topics import Topics
 from graphnav.watch.export.extras import require
-from graphnav.watch.export.foxglove.foxglove_scene import (
+from graphnav.watch.export.files import QuietFile
+from graphnav.watch.export.foxglove_scene import (
     MAP_TOPIC,
     PATH_TOPIC,
     POSE_TOPIC,
@@ -16,10 +22,9 @@ from graphnav.watch.export.foxglove.foxglove_scene import (
     TRANSFORM_TOPIC,
     scene_messages,
 )
-from graphnav.watch.export.foxglove.json_schema import schema_of, values_of
+from graphnav.watch.export.scalar_fields import has_few_elements
 
 LOG_TOPIC = "/log"
-
 TOPICS = {
     LOG_TOPIC: "Log",
     MAP_TOPIC: "SceneUpdate",
@@ -29,8 +34,31 @@ TOPICS = {
     TRANSFORM_TOPIC: "FrameTransform",
 }
 """The Foxglove types of the topics that do not belong to one channel."""
-
 _LEVELS = {Level.INFO: "Info", Level.WARNING: "Warning", Level.ERROR: "Error"}
+_TYPES = {"float": "number", "double": "number", "boolean": "boolean", "string": "string"}
+
+
+class McapFile:
+    """Writes entries as Foxglove messages with log time."""
+
+    def __init__(self, file: Path) -> None:
+        foxglove = require("foxglove")
+        context = foxglove.Context()
+        self._file = QuietFile(file)
+        self._writer = foxglove.open_mcap(self._file, context=context)
+        self._channels = FoxgloveChannels(context)
+
+    def add(self, entry: Entry) -> None:
+        """Write an entry; raises OSError if writing fails."""
+        self._channels.add(entry)
+        self._file.check()
+
+    def close(self) -> None:
+        """Write buffered data and the index for seeking."""
+        try:
+            self._writer.close()
+        finally:
+            self._file.close()
 
 
 class FoxgloveChannels:
@@ -134,3 +162,30 @@ class FoxgloveChannels:
     def _stamp(self, utime: int) -> Any:
         seconds, rest_us = divmod(utime, 1_000_000)
         return self._types.Timestamp(sec=seconds, nsec=rest_us * 1000)
+
+
+def schema_of(lcm_class: type) -> dict[str, Any]:
+    """Return the JSON schema of the scalars of an LCM type: including nested structs and small fixed arrays."""
+    properties: dict[str, Any] = {}
+    fields = fields_of(lcm_class)
+    sizes = {dim for field in fields for dim in field.dims}
+    for field in fields:
+        if field.name in sizes or not has_few_elements(field):
+            continue
+        part = {"type": _TYPES.get(field.primitive, "integer")} if field.struct is None else schema_of(field.struct)
+        for _ in field.dims:
+            part = {"type": "array", "items": part}
+        properties[field.name] = part
+    return {"title": lcm_name(lcm_class), "type": "object", "properties": properties}
+
+
+def values_of(schema: dict[str, Any], value: Any) -> Any:
+    """Return decoded LCM fields as JSON-compatible values; non-finite numbers are left out, in arrays null."""
+    if "properties" in schema:
+        parts = {name: values_of(part, value[name]) for name, part in schema["properties"].items()}
+        return {name: part for name, part in parts.items() if part is not None}
+    if "items" in schema:
+        return [values_of(schema["items"], element) for element in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value

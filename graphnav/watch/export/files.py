@@ -1,19 +1,22 @@
-"""Write files and folders under a temporary name, and rename them when they are complete."""
+"""Write files and folders under a temporary name, renamed when complete; files for libraries that ignore errors."""
 
 from __future__ import annotations
 
 import errno
 import os
 import shutil
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from graphnav import GraphnavError, UserError, written_aside
 from graphnav.core.machine import path_aside
 
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _ELSEWHERE = "choose another place with -o"
+_READ_BYTES = 1 << 20
 
 
 @contextmanager
@@ -104,3 +107,82 @@ def _on_disk(target: Path) -> Iterator[None]:
         raise GraphnavError(
             f"cannot write {target}: {error.strerror or error}\n  make room, or {_ELSEWHERE}"
         ) from error
+
+
+class QuietFile:
+    """A writable binary file, for libraries that ignore write errors.
+
+    After the first error it discards all data; `check` raises that error.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("wb", buffering=0)
+        self._error: OSError | None = None
+        self._at = self._size = 0
+
+    def write(self, data: Any) -> int:
+        """Write all bytes, or keep the error; return the number of bytes."""
+        view = memoryview(data).cast("B")
+        done = 0
+        try:
+            while self._error is None and done < len(view):
+                done += self._file.write(view[done:])
+        except OSError as error:
+            self._error = error
+        self._at += len(view)
+        self._size = max(self._size, self._at)
+        return len(view)
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Seek, as if all writes had succeeded; return the position."""
+        self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._size}[whence]
+        if self._error is None:
+            self._file.seek(self._at)
+        return self._at
+
+    def flush(self) -> None:
+        """Do nothing: the file is not buffered."""
+
+    def check(self) -> None:
+        """Raise the first error, OSError, if there was one."""
+        if self._error is not None:
+            raise self._error
+
+    def close(self) -> None:
+        """Close, and raise the first error."""
+        self._file.close()
+        self.check()
+
+
+class PipedFile:
+    """Copies the data written to the pipe ``path`` to ``file``; the writer must not seek.
+
+    For libraries that write only to paths, and hang on a full disk.
+
+    Call `opened` as soon as the library has opened the path, and `close` when it has closed it.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._file = QuietFile(file)
+        self._reading, self._writing = os.pipe()
+        self.path = f"/dev/fd/{self._writing}"
+        self._thread = threading.Thread(target=self._empty, name="graphnav export", daemon=True)
+        self._thread.start()
+
+    def opened(self) -> None:
+        """Close our writing end, so that the end of the data is detected when the library closes its own."""
+        os.close(self._writing)
+
+    def check(self) -> None:
+        """Raise the first write error, OSError, if there was one."""
+        self._file.check()
+
+    def close(self) -> None:
+        """Wait for the remaining data, close the file, and raise the first error."""
+        self._thread.join()
+        os.close(self._reading)
+        self._file.close()
+
+    def _empty(self) -> None:
+        while data := os.read(self._reading, _READ_BYTES):
+            self._file.write(data)

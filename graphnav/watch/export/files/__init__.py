@@ -1,1 +1,0 @@
-"""Write files atomically, and keep the first write error."""

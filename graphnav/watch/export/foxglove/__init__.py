@@ -1,1 +1,0 @@
-"""Export to Foxglove: MCAP files with Foxglove's schemas."""

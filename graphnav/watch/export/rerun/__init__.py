@@ -1,1 +1,0 @@
-"""Export to Rerun: recordings with a blueprint."""

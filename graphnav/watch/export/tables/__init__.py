@@ -1,1 +1,0 @@
-"""Export scalars to CSV and Parquet tables."""

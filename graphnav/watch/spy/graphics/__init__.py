@@ -1,1 +1,0 @@
-"""Draw pictures and bars as terminal characters and escape sequences."""

@@ -1,1 +1,0 @@
-"""The health of runs, from `graphnav.status`, as text and JSON."""
