@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from graphnav.core.machine.pins import OPT_OUT
-from graphnav.core.machine.single_thread import ONE_THREAD
+from graphnav.core.machine.threads import ONE_THREAD
 
 MODULES = (
     "graphnav.core.cli.run",

@@ -21,7 +21,7 @@ DOORS = {
     "graphnav/core/html_templates.py": "escapes what templates show",
     "graphnav/studies/ablation/worker/__main__.py": "prints tracebacks to the streams that escape",
     "graphnav/core/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
-    "graphnav/core/machine/leftover_threads.py": "runs after the commands, and escapes the names of threads",
+    "graphnav/core/machine/threads.py": "runs after the commands, and escapes the names of threads",
     "graphnav/core/cli/status_line.py": "rewrites a line, and escapes what it shows",
     "graphnav/core/cli/lasting_output.py": "the streams below those that escape",
     "graphnav/watch/commands/spy.py": "asks whether there is a terminal for a full screen, and queries terminfo",

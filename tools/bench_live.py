@@ -28,7 +28,7 @@ from testbed.drives import GRAPHNAV
 from testbed.rig import Rig
 
 from graphnav import Recording
-from graphnav.core.machine.single_thread import ONE_THREAD
+from graphnav.core.machine.threads import ONE_THREAD
 
 BARE = Path(__file__).with_name("bare_navigation.py")
 URL = "udpm://239.255.82.1:7999?ttl=0&recv_buf_size=2097152"

@@ -27,7 +27,7 @@ from reference_version import ROOT, reference_python
 from taking_turns import Ratio, Turns, results_in_turn
 
 from graphnav import Latest, Stamp, Twist
-from graphnav.core.machine.single_thread import ONE_THREAD
+from graphnav.core.machine.threads import ONE_THREAD
 
 TURN = 25
 """Ticks of a turn."""

@@ -13,9 +13,8 @@ from urllib.parse import parse_qsl, urlencode, urlsplit
 from graphnav.core.errors import BusError, NoRouteError
 from graphnav.core.large_messages.child import PACKET_BYTES
 from graphnav.core.large_messages.sender import LargeSender
-from graphnav.core.machine.packet_drops import dropped_packets, own_sockets, receive_buffer_bytes
 from graphnav.core.machine.packet_filter import filter_packets
-from graphnav.core.machine.receive_buffer import ReceiveBuffer
+from graphnav.core.machine.receive_buffer import ReceiveBuffer, dropped_packets, own_sockets, receive_buffer_bytes
 from graphnav.core.notices import print_notice
 
 Handler = Callable[[str, bytes], None]

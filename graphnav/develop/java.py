@@ -25,6 +25,9 @@ _FULL = {
     "zypper": "zypper install java-devel",
 }
 """The command that installs a JDK with AWT, by package manager."""
+JAR = "types.jar"
+_DEFAULT_PACKAGE = "lcmtypes"
+_CACHE: Final = "XDG_CACHE_HOME"
 
 
 @dataclass(frozen=True)
@@ -71,10 +74,6 @@ def _opens_windows(java: Path) -> bool:
     if not (home / "lib" / "modules").is_file():
         return True
     return (home / "lib" / "libawt_xawt.so").is_file()
-
-
-JAR = "types.jar"
-_DEFAULT_PACKAGE = "lcmtypes"
 
 
 class JavaTypes(NamedTuple):
@@ -135,9 +134,6 @@ def _run(command: Sequence[str]) -> None:
     if done.returncode:
         output = (done.stderr or done.stdout).strip().splitlines()
         raise GraphnavError(f"{Path(command[0]).name} failed: {output[0] if output else f'status {done.returncode}'}")
-
-
-_CACHE: Final = "XDG_CACHE_HOME"
 
 
 def types_jar(lcm_classes: Iterable[type]) -> Path:

@@ -18,6 +18,18 @@ SOURCE = "FIELDS"
 """Name of the command-line argument in errors."""
 _MAX_FILLED = 1_000_000
 """Maximum number of elements of an array of which only the size is given."""
+_INTEGERS: Mapping[str, tuple[int, int]] = {
+    "int8_t": (-(2**7), 2**7 - 1),
+    "int16_t": (-(2**15), 2**15 - 1),
+    "int32_t": (-(2**31), 2**31 - 1),
+    "int64_t": (-(2**63), 2**63 - 1),
+    "byte": (0, 255),
+}
+_FLOAT_MAX = float(np.finfo(np.float32).max)
+ZEROS: Mapping[str, Any] = {**dict.fromkeys(_INTEGERS, 0), "float": 0.0, "double": 0.0, "boolean": False, "string": ""}
+"""Value of a field that is not given."""
+_SAME_S = 1e-6
+"""Times closer than this are equal: multiples of a period are not exact."""
 
 
 class Fields(NamedTuple):
@@ -183,19 +195,6 @@ def _zero(field: Field, sizes: dict[str, int]) -> Any:
     return below(field.dims)
 
 
-_INTEGERS: Mapping[str, tuple[int, int]] = {
-    "int8_t": (-(2**7), 2**7 - 1),
-    "int16_t": (-(2**15), 2**15 - 1),
-    "int32_t": (-(2**31), 2**31 - 1),
-    "int64_t": (-(2**63), 2**63 - 1),
-    "byte": (0, 255),
-}
-_FLOAT_MAX = float(np.finfo(np.float32).max)
-
-ZEROS: Mapping[str, Any] = {**dict.fromkeys(_INTEGERS, 0), "float": 0.0, "double": 0.0, "boolean": False, "string": ""}
-"""Value of a field that is not given."""
-
-
 def scalar_problem(name: str, primitive: str, value: Value) -> Problem | None:
     """Return the problem with the value of a field, None if it matches the type."""
     data = value.data
@@ -235,10 +234,6 @@ def _integer_problem(name: str, primitive: str, value: Value) -> Problem | None:
         what = f"'{name}' is {data}, but the range of {primitive} is {smallest} to {largest}"
         return Problem(value.place, what, "write an integer in this range")
     return None
-
-
-_SAME_S = 1e-6
-"""Times closer than this are equal: multiples of a period are not exact."""
 
 
 class Publisher:

@@ -39,6 +39,9 @@ from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.playback import Playback
 from graphnav.live.live_schedule import LiveSchedule
 
+_WATCH_PERIOD_S = 0.5
+_HANGS_S = 1.0
+
 
 def run_live(
     graph: Graph,
@@ -230,10 +233,6 @@ def _live_part(status: Status, writer: ThreadedLogWriter, url: str, dropped_pack
     }
 
 
-_PERIOD_S = 0.5
-_HANGS_S = 1.0
-
-
 class Watchdog:
     """Reports through ``notice``, once per step, a stage that has been in one step for more than a second.
 
@@ -253,7 +252,7 @@ class Watchdog:
 
     def _serve(self) -> None:
         told: tuple[str, float] | None = None
-        while not self._ending.wait(_PERIOD_S):
+        while not self._ending.wait(_WATCH_PERIOD_S):
             step = self._schedule.step_began
             if step is not None and step != told and self._schedule.clock.now_s() - step[1] > _HANGS_S:
                 told = step

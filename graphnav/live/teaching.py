@@ -14,6 +14,20 @@ from graphnav.arrays import Doubles
 from graphnav.core.codec import decode
 from graphnav.core.machine import Console
 
+NEAR_RATIO = 0.8
+"""A motion of at least this share of a limit counts as near it."""
+MIN_FRAMES = 10
+"""Frames near each limit: fewer may be errors of the odometry."""
+SETTLED_RATIO = 0.05
+"""Largest change of the residual between two models that are alike."""
+MIN_SPEED_MPS = 0.02
+"""A slower robot stands."""
+MIN_SPAN_MPS = 0.05
+MIN_TURN_RADPS = 0.1
+"""A slower turn counts as driving straight on."""
+LINE_S = 10.0
+"""Time between two lines without a terminal."""
+
 
 class Taught:
     """A sink of a run that keeps what its teacher receives and publishes.
@@ -74,14 +88,6 @@ class Taught:
         """Do nothing: what was taught stays."""
 
 
-NEAR_RATIO = 0.8
-"""A motion of at least this share of a limit counts as near it."""
-MIN_FRAMES = 10
-"""Frames near each limit: fewer may be errors of the odometry."""
-SETTLED_RATIO = 0.05
-"""Largest change of the residual between two models that are alike."""
-
-
 class Coverage(NamedTuple):
     """Motions to teach: speeds up to ``speed_mps``, turning rates up to ``turn_radps`` to each side."""
 
@@ -100,13 +106,6 @@ class Coverage(NamedTuple):
                 return False
         last = taught.residuals_px[-2:]
         return len(last) == 2 and abs(last[1] - last[0]) <= SETTLED_RATIO * last[0]
-
-
-MIN_SPEED_MPS = 0.02
-"""A slower robot stands."""
-MIN_SPAN_MPS = 0.05
-MIN_TURN_RADPS = 0.1
-"""A slower turn counts as driving straight on."""
 
 
 def gaps(taught: Taught) -> list[str]:
@@ -152,10 +151,6 @@ def why_no_model(taught: Taught, inputs: Sequence[Mapping[str, Any]]) -> str:
         f"{taught.flows} frames did not determine it: teach for longer, at several speeds, turning to both sides; "
         "the term mean also needs frames straight on, within the teacher's straight_forward_m"
     )
-
-
-LINE_S = 10.0
-"""Time between two lines without a terminal."""
 
 
 @contextmanager

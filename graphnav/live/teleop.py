@@ -17,6 +17,20 @@ from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
 from graphnav.core.keyboard import KeyDecoder
 
+HELP = """\
+  w or i or up     forward        x  stop the robot until it is re-armed
+  s or k or down   back           r  re-arm it
+  a or j or left   turn left      +  faster
+  d or l or right  turn right     -  slower
+  space            halt           q  quit
+"""
+ZERO_S = 0.3
+"""How long zero is published after the keys are released; then nothing is sent, and an override goes stale."""
+_STEP_RATIO = 1.1
+_LAST_ZEROS = 3
+_STALLED_S = 0.3
+"""Keys read later than this, because the process was suspended, are ignored..."""
+
 
 class Key(Enum):
     """The meaning of a key."""
@@ -32,14 +46,6 @@ class Key(Enum):
     ARM = auto()
     QUIT = auto()
 
-
-HELP = """\
-  w or i or up     forward        x  stop the robot until it is re-armed
-  s or k or down   back           r  re-arm it
-  a or j or left   turn left      +  faster
-  d or l or right  turn right     -  slower
-  space            halt           q  quit
-"""
 
 _KEYS = {
     **dict.fromkeys(("w", "i", "up"), Key.FORWARD),
@@ -66,9 +72,6 @@ class Keys:
         return [_KEYS[name] for name in self._decoder.feed(data) if name in _KEYS]
 
 
-ZERO_S = 0.3
-"""How long zero is published after the keys are released; then nothing is sent, and an override goes stale."""
-_STEP_RATIO = 1.1
 _V = {Key.FORWARD: 1.0, Key.BACK: -1.0}
 _OMEGA = {Key.LEFT: 1.0, Key.RIGHT: -1.0}
 
@@ -115,9 +118,6 @@ class Drive:
         self.turn_radps *= ratio
 
 
-_LAST_ZEROS = 3
-_STALLED_S = 0.3
-"""Keys read later than this, because the process was suspended, are ignored..."""
 _ALWAYS = {Key.HALT, Key.STOP, Key.QUIT}
 """... except these."""
 

@@ -13,7 +13,7 @@ import signal
 import sys
 from typing import Any, NoReturn
 
-from graphnav.core.machine.single_thread import ONE_THREAD
+from graphnav.core.machine.threads import ONE_THREAD
 
 MODULES = (
     "graphnav_flow.lucas_kanade",

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import graphnav
-from graphnav.core.api.logs.log_html import log_html
+from graphnav.core.api.logs.log_channel import log_html
 from graphnav.core.errors import printable
 from graphnav.studies.ablation.report import document
 

@@ -17,7 +17,7 @@ from graphnav.core.cli.status import Exit
 from graphnav.core.interrupts import CtrlC, ctrl_c_not_lost, end_at_interrupt, raise_at_interrupt
 from graphnav.core.machine.escaped_streams import escaped_output
 from graphnav.core.machine.pins import unpin
-from graphnav.core.machine.single_thread import ONE_THREAD
+from graphnav.core.machine.threads import ONE_THREAD
 from graphnav.core.rooms import in_room, rooms
 
 if TYPE_CHECKING:

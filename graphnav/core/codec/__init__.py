@@ -1,8 +1,7 @@
 """Fast encoding and decoding of LCM types with numpy arrays."""
 
-from graphnav.core.codec.comments import comments_of, constants_of
 from graphnav.core.codec.compiled import Codec, codec_of
-from graphnav.core.codec.definition import definition_of, lcm_text_of
+from graphnav.core.codec.definition import comments_of, constants_of, definition_of, lcm_text_of
 from graphnav.core.codec.envelope import decode, encode, not_finite
 from graphnav.core.codec.errors import DecodeError, EncodeError
 from graphnav.core.codec.find_type import SHIPPED, find_type

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import struct
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -11,8 +12,12 @@ from graphnav.core.codec.errors import DecodeError, EncodeError
 from graphnav.core.codec.field_codecs import ArrayPart, ElementArray, Nested, NumberArray, Part, Scalars, String, Values
 from graphnav.core.codec.flat_decode import field_decoder, is_flat, measure
 from graphnav.core.codec.flat_encode import field_encoder
-from graphnav.core.codec.layout import Field, fields_of, fingerprint, lcm_name
-from graphnav.core.codec.peek_integers import peeks
+from graphnav.core.codec.layout import PRIMITIVES, Field, fields_of, fingerprint, lcm_name
+
+_FINGERPRINT_BYTES = 8
+_INTEGERS = frozenset("bhiq")
+Peek = tuple[struct.Struct, int]
+"""The unpack function of a field, and the field's offset in the message."""
 
 
 class Codec:
@@ -136,11 +141,7 @@ class Codec:
 
     def _compile(self, fields: list[Field], under_way: Mapping[type, Codec]) -> Iterator[Part]:
         """Yield the field codecs; a recursive type finds its own codec in ``under_way``."""
-
-        def is_scalar(field: Field) -> bool:
-            return not field.dims and field.struct is None and field.primitive != "string"
-
-        for scalar, group in itertools.groupby(fields, is_scalar):
+        for scalar, group in itertools.groupby(fields, _is_scalar):
             if scalar:
                 yield Scalars(list(group))
                 continue
@@ -167,3 +168,19 @@ def _wanted(array: ArrayPart, sizes: Mapping[str, int]) -> str:
     """Return the expected shape of an array, as far as the other fields define it."""
     known: Mapping[Any, int] = sizes
     return f"({', '.join(f'{dim}={known[dim]}' if dim in known else str(dim) for dim in array.dims)})"
+
+
+def peeks(fields: list[Field]) -> dict[str, Peek]:
+    """Return a peek for each integer before the first string, array or struct."""
+    found: dict[str, Peek] = {}
+    at = _FINGERPRINT_BYTES
+    for field in itertools.takewhile(_is_scalar, fields):
+        packer = struct.Struct(">" + PRIMITIVES[field.primitive])
+        if packer.format[-1] in _INTEGERS:
+            found[field.name] = packer, at
+        at += packer.size
+    return found
+
+
+def _is_scalar(field: Field) -> bool:
+    return not field.dims and field.struct is None and field.primitive != "string"

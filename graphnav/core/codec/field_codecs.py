@@ -8,10 +8,9 @@ from collections.abc import Mapping
 from operator import itemgetter
 from typing import Any, Protocol
 
-from graphnav.core.codec.arrays import Numbers
+from graphnav.core.codec.arrays import Numbers, Shape, flatten, nest
 from graphnav.core.codec.errors import DecodeError, EncodeError
 from graphnav.core.codec.layout import PRIMITIVES, Dim, Field
-from graphnav.core.codec.nested_sequences import Shape, flatten, nest
 
 Values = dict[str, Any]
 _LENGTH = struct.Struct(">I")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,9 +16,9 @@ from graphnav.core.graph.overrides.swap import apply_overrides
 from graphnav.core.graph.read.extend import merge_files, rewire_merged
 from graphnav.core.graph.read.graph_files import read_files
 from graphnav.core.graph.read.plugin_files import load_plugins
-from graphnav.core.graph.read.renamed_params import accept_old_names
 from graphnav.core.run_folder import is_graph_of_run
 from graphnav.core.spec import Spec, outline, parse_spec, read_bytes
+from graphnav.core.stage import Stage, params_of
 
 
 def load_graph(
@@ -123,3 +123,11 @@ def outline_of_file(path: Path) -> Spec:
 
 def _without_repetitions(problems: list[Problem]) -> list[Problem]:
     return list(dict.fromkeys(problems))
+
+
+def accept_old_names(spec: Spec, classes: Mapping[str, type[Stage]]) -> None:
+    """Give parameters of ``spec`` that were renamed (`param`'s ``renamed_from``) their present names."""
+    for name, cls in classes.items():
+        names = {param.renamed_from: param.name for param in params_of(cls).values() if param.renamed_from}
+        stage = spec.stages[name]
+        stage.params = {names.get(key, key): entry for key, entry in stage.params.items()}

@@ -5,13 +5,12 @@ from .console import Console
 from .escaped_streams import escaped_output
 from .extras import import_pandas, install_command, requirements_of
 from .instruction_set import PORTABLE, expected_instruction_set, used_instruction_set
-from .leftover_threads import end_despite_threads
 from .packet_filter import keep_channels
 from .pins import OPT_OUT, lacking, pin
 from .receive_buffer import ReceiveBuffer
 from .regular_file import is_own, read_json
-from .single_thread import ONE_THREAD
 from .terminal_graphics import TerminalGraphics
+from .threads import ONE_THREAD, end_despite_threads
 from .user_folders import no_user_folder, user_folder
 
 __all__ = [

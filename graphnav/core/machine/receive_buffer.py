@@ -1,9 +1,12 @@
-"""The kernel's receive buffer: how large a message it holds while the receiver is busy, and what makes it larger."""
+"""Receive buffers of UDP sockets: how large they are, what they hold, and the packets that the kernel dropped."""
 
 from __future__ import annotations
 
+import os
 import socket
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar, NamedTuple
 
 from graphnav.core.large_messages.child import FRAGMENT_BYTES
@@ -14,6 +17,11 @@ _EVERYTHING = 2**30
 _PACKET_COST_BYTES = 70_000
 """The share of the requested buffer that a full packet takes: 66,700 on Linux before 6.x, half of it since."""
 _MAX_PACKETS = 256
+_UDP = Path("/proc/net/udp")
+_OWN_FILES = Path("/proc/self/fd")
+_SOCKET = "socket:["
+_INODE, _DROPS = 9, 12
+"""Columns of /proc/net/udp."""
 
 
 @dataclass(frozen=True)
@@ -84,3 +92,37 @@ class LargerBuffer(NamedTuple):
 
     def __str__(self) -> str:
         return "; ".join(filter(None, (self.command, self.url_option and f"{self.url_option} in its URL")))
+
+
+def own_sockets() -> frozenset[str]:
+    """Return the inodes of this process's open sockets."""
+    return frozenset(_descriptors())
+
+
+def _descriptors() -> dict[str, int]:
+    """Return the descriptors of this process's open sockets by their inodes."""
+    links = {}
+    for file in _OWN_FILES.iterdir():
+        with suppress(OSError):  # closed in the meantime
+            links[os.readlink(file)] = int(file.name)
+    return {link[len(_SOCKET) : -1]: fd for link, fd in links.items() if link.startswith(_SOCKET)}
+
+
+def dropped_packets(sockets: frozenset[str]) -> int:
+    """Return how many packets the kernel dropped at UDP sockets because their buffers were full."""
+    try:
+        rows = [line.split() for line in _UDP.read_text().splitlines()[1:]]
+    except OSError:
+        return 0
+    return sum(int(row[_DROPS]) for row in rows if len(row) > _DROPS and row[_INODE] in sockets)
+
+
+def receive_buffer_bytes(sockets: frozenset[str]) -> int:
+    """Return the smallest receive buffer of the UDP sockets, as requested of the kernel; 0 without such sockets."""
+    sizes = []
+    for inode, fd in _descriptors().items():
+        if inode in sockets:
+            with suppress(OSError), socket.socket(fileno=os.dup(fd)) as found:
+                if (found.family, found.type) == (socket.AF_INET, socket.SOCK_DGRAM):
+                    sizes.append(found.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) // KERNEL_DOUBLES)
+    return min(sizes, default=0)

@@ -4,13 +4,13 @@ from graphnav.core.record.about_first import AboutFirst
 from graphnav.core.record.channel_account import ChannelAccount, ChannelCounts, Clock, FirstArrivals, Kind, kind_of
 from graphnav.core.record.channel_filter import ChannelFilter
 from graphnav.core.record.event import Damaged, Event, TruncatedEvent
+from graphnav.core.record.index import Timeline
 from graphnav.core.record.log_cursor import LogCursor
 from graphnav.core.record.log_files import LogFiles, Split
 from graphnav.core.record.log_paths import files_of, find_log, parts_of
 from graphnav.core.record.message_window import Periods, Window, silent_after_s
 from graphnav.core.record.recording import Head, Recording
 from graphnav.core.record.threaded_writer import LogGap, ThreadedLogWriter
-from graphnav.core.record.timeline import Timeline
 from graphnav.core.record.writer import LogWriter
 
 __all__ = [

@@ -25,10 +25,9 @@ from graphnav.core.codec import (
 from graphnav.core.errors import LogError, UserError, shown_name
 from graphnav.core.messages import About, Message
 from graphnav.core.record.event import Damaged, Entry, Event, LogFile, TruncatedEvent
-from graphnav.core.record.index import Index
+from graphnav.core.record.index import Index, Timeline
 from graphnav.core.record.log_paths import parts_of
 from graphnav.core.record.scan import scan
-from graphnav.core.record.timeline import Timeline
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.spec import option_in, parse_yaml
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from graphnav.core.errors import printable
 from graphnav.core.graph import Graph
-from graphnav.core.render.boxes import Box, OutPort, boxes_of
-from graphnav.core.render.wires import wires_of
+from graphnav.core.render.boxes import Box, OutPort, boxes_of, wires_of
 
 
 def dot_of(graph: Graph) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav.core.render.boxes import Box
+from graphnav.core.render.boxes import Box, Wire
 from graphnav.core.render.layers import Layers, Route, Spot, layers_of
-from graphnav.core.render.wires import Wire
 
 HEAD = 42.0
 _GAP_Y = 26.0

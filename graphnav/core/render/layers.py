@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from graphnav.core.render.boxes import Box
-from graphnav.core.render.wires import Wire, wires_of
+from graphnav.core.render.boxes import Box, Wire, wires_of
 
 _SWEEPS = 12
 

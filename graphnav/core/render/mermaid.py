@@ -6,8 +6,7 @@ from html import escape
 
 from graphnav.core.errors import printable
 from graphnav.core.graph import Graph
-from graphnav.core.render.boxes import Box, boxes_of
-from graphnav.core.render.wires import wires_of
+from graphnav.core.render.boxes import Box, boxes_of, wires_of
 
 _SHAPES = {"source": ("([", "])"), "stage": ("[", "]"), "input": ("[/", "/]"), "output": ("[/", "/]")}
 

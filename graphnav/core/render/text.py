@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from graphnav.core.graph import Graph
-from graphnav.core.render.boxes import Box, as_fired, boxes_of
-from graphnav.core.render.wires import Wire, wires_of
+from graphnav.core.render.boxes import Box, Wire, as_fired, boxes_of, wires_of
 
 _LINES = {
     "UD": "│", "LR": "─", "DL": "╮", "UL": "╯", "UDL": "┤", "UDLR": "┼",

@@ -7,13 +7,11 @@ from .join import MAX_UNMATCHED, MatchedSet
 from .live_inbox import LiveInbox
 from .lockstep import Lockstep, command_channels, fire, fire_complete
 from .lockstep_inbox import LockstepInbox
-from .recording.failures import Failures
 from .recording.kept_messages import ChannelsExcept, complete_channels, kept, open_log, reproducible_channels
-from .recording.live_about import live_about
 from .recording.log_forecast import size_text
 from .recording.progress_file import ProgressFile
-from .recording.recorded_run import Measured, RecordedRun
-from .recording.run_recorded import LiveSink, about_of, new_run_id, run_recorded
+from .recording.recorded_run import Failures, Measured, RecordedRun
+from .recording.run_recorded import LiveSink, about_of, live_about, new_run_id, run_recorded
 from .recording.saved_graph import copies_of, save_graph
 from .recording.stall import StallLimit
 from .recording.summary import Summary

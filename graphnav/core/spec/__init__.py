@@ -15,10 +15,8 @@ from graphnav.core.spec.declared import (
     read_record,
     record_object,
 )
-from graphnav.core.spec.file_bytes import read_bytes
 from graphnav.core.spec.graph_keys import GRAPH, RESERVED_STAGES, STAGE_NAME, GraphKeys
 from graphnav.core.spec.run import RecordOption, RunKeys, RunOptions, check_url, option_in
-from graphnav.core.spec.scalar import parse_scalar
 from graphnav.core.spec.spec import (
     TIME_KEYS,
     InputSpec,
@@ -30,9 +28,9 @@ from graphnav.core.spec.spec import (
     parse_spec,
     time_problems,
 )
-from graphnav.core.spec.value import Entry, Value
+from graphnav.core.spec.value import Entry, Value, parse_scalar
 from graphnav.core.spec.write import write_value
-from graphnav.core.spec.yaml import MAX_BYTES, parse_yaml
+from graphnav.core.spec.yaml import MAX_BYTES, parse_yaml, read_bytes
 
 __all__ = [
     "DIALECT",

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+from pathlib import Path
 from typing import Any
 
 import yaml
 
 from graphnav.core.errors import Place, Problem, UserError
-from graphnav.core.spec.scalar import parse_scalar
-from graphnav.core.spec.value import Entry, Value
+from graphnav.core.machine.regular_file import read_regular
+from graphnav.core.spec.value import Entry, Value, parse_scalar
 
 MAX_BYTES = 256 * 1024
 MAX_VALUES = 12_000
@@ -184,3 +186,19 @@ def _syntax_problem(error: yaml.MarkedYAMLError, source: str) -> Problem:
         if part in f"{error.context}: {what}":
             return Problem(place, said.format(line=start.line + 1 if start else "?", what=what), hint)
     return Problem(place, f"YAML: {what}", error.context or "")
+
+
+def read_bytes(path: Path, place: Place, who: str = "it") -> bytes:
+    """Return the content of a YAML file; ``who``: the file as errors call it.
+
+    Raises
+    ------
+    UserError
+        It cannot be read, is not a regular file, or is larger than `MAX_BYTES`; shown at ``place``.
+    """
+    try:
+        return read_regular(path, MAX_BYTES)
+    except OSError as error:
+        if error.errno == errno.EFBIG:
+            raise too_large(path.stat().st_size, place, who) from error
+        raise UserError.of(f"{who} cannot be read: {error.strerror}", place=place) from error

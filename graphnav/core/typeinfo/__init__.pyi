@@ -1,8 +1,7 @@
 # What the rest of graphnav takes of this folder, each imported on first use.
 
-from .definitions import definition_files, definition_text
-from .describe import describe_type, nested_types, summary_of_type
-from .lcm_files import file_of_lcm
+from .describe import definition_files, definition_text, describe_type, nested_types, summary_of_type
+from .lcm_gen import file_of_lcm
 from .named_types import load_types
 
 __all__ = [

@@ -14,9 +14,8 @@ from graphnav.core.codec.layout import PRIMITIVES, hide_prefix
 from graphnav.core.errors import Place, Problem, UserError, one_line
 from graphnav.core.interrupts import CtrlC
 from graphnav.core.typeinfo.definition_source import DefinitionSource, read_definition
-from graphnav.core.typeinfo.definitions import definition_files
-from graphnav.core.typeinfo.generated_module import GeneratedModule, read_generated
-from graphnav.core.typeinfo.lcm_gen import generate_python
+from graphnav.core.typeinfo.describe import definition_files
+from graphnav.core.typeinfo.lcm_gen import GeneratedModule, generate_python, read_generated
 
 
 def compile_definitions(paths: Sequence[Path]) -> dict[str, type]:

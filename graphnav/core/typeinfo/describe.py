@@ -1,11 +1,21 @@
-"""Describe an LCM type from its definition, its field names and its message class."""
+"""Describe LCM types: a summary, nested types, definitions in LCM's definition language."""
 
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
-from graphnav.core.codec import comments_of, constants_of, fields_of, fingerprint, lcm_name, message_class_of
+from graphnav.core.codec import (
+    comments_of,
+    constants_of,
+    definition_of,
+    fields_of,
+    fingerprint,
+    lcm_name,
+    message_class_of,
+)
 from graphnav.core.stage import unit_of
 
 """Units of durations and memory, which occur in messages but not in parameters."""
@@ -54,3 +64,27 @@ def nested_types(lcm_class: type) -> list[type]:
 def summary_of_type(lcm_class: type) -> str:
     """Return the first line of a type's description."""
     return (inspect.getdoc(message_class_of(lcm_class) or lcm_class) or "").partition("\n")[0]
+
+
+def definition_files(lcm_classes: Iterable[type]) -> dict[str, str]:
+    """Return the ``.lcm`` files of types and of all that are nested in them: file name and text, sorted by name.
+
+    The text is that of the ``.lcm`` file next to the generated Python, as shipped by graphnav; without such a file it
+    is generated from the fields, without comments and constants, which do not affect messages.
+    """
+    found: dict[str, type] = {}
+    for lcm_class in lcm_classes:
+        found |= {f"{lcm_name(one)}.lcm": one for one in (lcm_class, *nested_types(lcm_class))}
+    return {name: _text(found[name]) for name in sorted(found)}
+
+
+def definition_text(lcm_classes: Iterable[type]) -> str:
+    """Return the definitions of types and of all that are nested in them, as one file for lcm-gen."""
+    return "\n".join(definition_files(lcm_classes).values())
+
+
+def _text(lcm_class: type) -> str:
+    file = Path(inspect.getfile(lcm_class)).with_suffix(".lcm")
+    if file.is_file():
+        return file.read_text(encoding="utf-8")
+    return definition_of(lcm_class)

@@ -1,17 +1,22 @@
-"""Run lcm-gen for Python; its errors become UserErrors with file, line and column."""
+"""LCM's own tools: find them, run lcm-gen, and read the modules that it writes without importing them."""
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 
-from graphnav.core.errors import Place, UserError, printable
+from graphnav.core.errors import GraphnavError, Place, UserError, printable
 from graphnav.core.typeinfo.definition_source import DefinitionSource
-from graphnav.core.typeinfo.lcm_files import file_of_lcm
 
 _TIMEOUT_S = 60.0
+_TOP = (ast.Import, ast.ImportFrom, ast.ClassDef)
+_BODY = (ast.Assign, ast.FunctionDef)
+_STRING = ast.Constant
 
 
 def generate_python(sources: Sequence[DefinitionSource], folder: Path, prefix: str) -> None:
@@ -59,3 +64,68 @@ def _in_one_line(lines: Sequence[str], sources: dict[Path, DefinitionSource], pr
     for path, source in sources.items():
         text = text.replace(str(path), str(source.path))
     return printable(text.replace(f"{prefix}.", ""))
+
+
+def file_of_lcm(name: str) -> Path:
+    """Return the path of a file of the package ``lcm``; for a tool the binary itself, not its wrapper script.
+
+    Raises
+    ------
+    GraphnavError
+        There is no such file.
+    """
+    try:
+        found = [file for file in files("lcm") or [] if file.name == name]
+    except PackageNotFoundError:
+        found = []
+    for path in (Path(str(file.locate())) for file in sorted(found, key=lambda file: ".." in file.parts)):
+        if path.is_file():
+            return path
+    raise GraphnavError(
+        f"the installed package 'lcm' has no {name}\n  install its wheel: pip install --force-reinstall lcm"
+    )
+
+
+@dataclass(frozen=True)
+class GeneratedModule:
+    """The type defined by a module: its LCM name, and the names and types of its fields in class order."""
+
+    name: str
+    slots: tuple[str, ...]
+    typenames: tuple[str, ...]
+
+
+def read_generated(path: Path, name: str) -> GeneratedModule:
+    """Read the module that lcm-gen wrote for the type ``name``.
+
+    Raises
+    ------
+    UserError
+        The module is not valid Python, or does not define an LCM type.
+    """
+    try:
+        tree = ast.parse(path.read_bytes())
+    except (SyntaxError, ValueError) as error:
+        raise UserError.of(
+            f"Python cannot hold the type {name}: one of its names is a Python keyword",
+            "rename the field, the type or the package",
+        ) from error
+    top = [node for node in tree.body if not _is_docstring(node)]
+    classes = [node for node in top if isinstance(node, ast.ClassDef)]
+    if len(classes) != 1 or not all(isinstance(node, _TOP) for node in top):
+        raise UserError.of(f"the code that lcm-gen wrote for {name} does not define a type")
+    body = [node for node in classes[0].body if not _is_docstring(node)]
+    if not all(isinstance(node, _BODY) for node in body):
+        raise UserError.of(f"the code that lcm-gen wrote for {name} does not define fields")
+    lists = {
+        target.id: ast.literal_eval(node.value)
+        for node in body
+        if isinstance(node, ast.Assign)
+        for target in node.targets
+        if isinstance(target, ast.Name) and target.id in {"__slots__", "__typenames__"}
+    }
+    return GeneratedModule(name, tuple(lists["__slots__"]), tuple(lists["__typenames__"]))
+
+
+def _is_docstring(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, _STRING)

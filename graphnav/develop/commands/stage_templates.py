@@ -47,6 +47,10 @@ ${example}def test_keeps_the_contract_of_stages() -> None:
 
 $test
 ''')
+_TRY_S = 10
+"""Duration of the printed run, simulated seconds: sources of noise never end by themselves."""
+_MAX_NAME = 40
+"""Longer stage names may result in channel names that LCM refuses."""
 
 
 def stage_text(family: str, cls: str) -> str:
@@ -75,12 +79,6 @@ def test_text(family: str, name: str, cls: str) -> str:
         steps=kind.steps,
         test=Template(kind.test).substitute(cls=cls).rstrip("\n"),
     )
-
-
-_TRY_S = 10
-"""Duration of the printed run, simulated seconds: sources of noise never end by themselves."""
-_MAX_NAME = 40
-"""Longer stage names may result in channel names that LCM refuses."""
 
 
 def hints(family: str, name: str, stage_file: Path, test_file: Path) -> Iterator[str]:

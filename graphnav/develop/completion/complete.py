@@ -16,6 +16,12 @@ from graphnav.develop.completion.index import Index, installed_index
 _YAML = (".yaml", ".yml")
 _Finder = Callable[[str, list[str], Index], Iterable[str]]
 """Of a prefix, the graphs and studies of the command line, and the index."""
+_TIMES = ("every_ms", "deadline_ms")
+RUN_LOG = "run.lcmlog"
+"""The file by which a folder is a run folder."""
+_RUNS = "runs"
+_MAX_RUNS = 20
+SHELLS = ("bash", "zsh", "fish")
 
 
 def _graphs(prefix: str, _: list[str], index: Index) -> Iterable[str]:
@@ -109,9 +115,6 @@ def _words() -> list[str]:
     return before[1:]
 
 
-_TIMES = ("every_ms", "deadline_ms")
-
-
 def override_candidates(text: str, uses: Mapping[str, str], index: Index, *, many: bool = False) -> Iterator[str]:
     """Yield completions of an override of a graph whose stages are of the classes ``uses``.
 
@@ -146,12 +149,6 @@ def _values(target: str, uses: Mapping[str, str], index: Index) -> Sequence[str]
     return index.params.get(uses.get(stage, ""), {}).get(param, [])
 
 
-RUN_LOG = "run.lcmlog"
-"""The file by which a folder is a run folder."""
-_RUNS = "runs"
-_MAX_RUNS = 20
-
-
 def paths(prefix: str, suffixes: Sequence[str] = ()) -> Iterator[str]:
     """Yield folders (with a slash behind) and the files with one of ``suffixes``, or all."""
     folder, slash, start = prefix.rpartition("/")
@@ -176,9 +173,6 @@ def run_folders(prefix: str) -> Iterator[str]:
         folder = path.rstrip("/")
         if folder not in newest:
             yield folder if path != folder and Path(folder, RUN_LOG).is_file() else path
-
-
-SHELLS = ("bash", "zsh", "fish")
 
 
 def shell_script(shell: str, program: str = "graphnav") -> str:

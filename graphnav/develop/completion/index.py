@@ -18,6 +18,9 @@ from graphnav.core.machine import read_json, user_folder
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
 
+_OWN = ("graphnav", "graphnav_graphs", "graphnav_lcm")
+_GROUP = "graphnav"
+
 
 @dataclass(frozen=True)
 class Index:
@@ -111,10 +114,6 @@ def _values(kind: Any, files: list[str]) -> list[str]:
     if kind is Path:
         return files
     return [value for part in get_args(kind) for value in _values(part, files)]
-
-
-_OWN = ("graphnav", "graphnav_graphs", "graphnav_lcm")
-_GROUP = "graphnav"
 
 
 def installed_index() -> Index:

@@ -23,6 +23,7 @@ from graphnav.develop.doctor.finding import Finding
 from graphnav.develop.java import find_jdk, install_jdk
 
 _TIMEOUT_S = 20.0
+_OF_DEVELOPERS = {"dev"}
 
 
 def lcm_wheel() -> Finding:
@@ -73,9 +74,6 @@ def terminal_graphics() -> Finding:
     confirmed = [name for name, is_so in (("kitty", graphics.kitty), ("sixel", graphics.sixel)) if is_so]
     seen = ", ".join([*confirmed, "half blocks"])
     return Finding("terminal graphics", fine=True, seen=f"{seen}; {graphics.failure}" if graphics.failure else seen)
-
-
-_OF_DEVELOPERS = {"dev"}
 
 
 def extras() -> Iterator[Finding]:

@@ -20,6 +20,10 @@ from graphnav.develop.doctor.finding import Finding
 _PROBE_PORT = 17667
 _WAIT_S = 1.0
 _SUBJECT = "receive buffer"
+_TICKS = 3
+"""The first tick has no flow, the second has all messages."""
+_MAX_S = 10.0
+_ASSUMED_IMAGE_BYTES = 640 * 480 * 3
 
 
 def multicast() -> Finding:
@@ -108,12 +112,6 @@ def _compared(graph: Graph, sizes: list[MessageSize], buffer: ReceiveBuffer, ask
 
 def _text(size: MessageSize) -> str:
     return f"{size_text(size.n_bytes)} for {size.channel}" + (f" (assumed: {size.assumed})" if size.assumed else "")
-
-
-_TICKS = 3
-"""The first tick has no flow, the second has all messages."""
-_MAX_S = 10.0
-_ASSUMED_IMAGE_BYTES = 640 * 480 * 3
 
 
 class MessageSize(NamedTuple):

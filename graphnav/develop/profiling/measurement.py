@@ -17,6 +17,7 @@ from graphnav.develop.profiling.stopwatch import Part, Stopwatch
 from graphnav.develop.profiling.tick_spans import WARM_UP, TickSpans, TimedSink
 
 _CLOCKS: dict[Clock, Callable[[], int]] = {"wall": time.perf_counter_ns, "cpu": time.thread_time_ns}
+_BATCHES, _MIN_WRITES = 9, 200
 
 
 class NothingMeasuredError(GraphnavError):
@@ -84,9 +85,6 @@ def _why_nothing(outcome: str, failure: str, n_ticks: int) -> str:
     if outcome == Outcome.FAILED:
         return f"{failure}\n{what}"
     return what if outcome == Outcome.STOPPED else f"{what}\n  let it run longer, with --until or a longer input"
-
-
-_BATCHES, _MIN_WRITES = 9, 200
 
 
 def reading_us(n_channels: int, clock: Callable[[], int]) -> float:

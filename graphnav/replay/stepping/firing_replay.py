@@ -18,6 +18,9 @@ from graphnav.replay.plan import Plan
 from graphnav.replay.stepping.firing_log import FiringLog
 from graphnav.replay.stepping.recorded_inbox import Read, RecordedInbox
 
+_MAX_GAP_S = 10.0
+"""Timers do not fire in longer gaps of a log, whose timestamps may be damaged."""
+
 
 class FiringReplay:
     """Fires the stepping stages in log order.
@@ -181,10 +184,6 @@ class FiringReplay:
         channels = self._logged.channels.get(firing.stage, {})
         used = [one._replace(number=self._log.number_of(channels.get(one.port, ""), one.number)) for one in firing.used]
         self._log.fire(firing.stage, firing.at_us, firing.utime, firing.age_s, used)
-
-
-_MAX_GAP_S = 10.0
-"""Timers do not fire in longer gaps of a log, whose timestamps may be damaged."""
 
 
 class Due(NamedTuple):

@@ -5,7 +5,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphnav.core.graph.wiring.firing_order import firing_order
+from graphnav.core.graph.wiring.firing import firing_order
 
 GRAPHS = st.integers(1, 8).flatmap(
     lambda n: st.fixed_dictionaries(

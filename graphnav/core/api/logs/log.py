@@ -14,11 +14,9 @@ import numpy.typing as npt
 
 from graphnav.arrays import Doubles, Longs
 from graphnav.core.api.arguments import PathLike, path_of, seconds_of, wrong_type
-from graphnav.core.api.logs.log_channel import LogChannel, Sample
-from graphnav.core.api.logs.log_html import log_html
-from graphnav.core.api.logs.message_table import table_of
+from graphnav.core.api.logs.log_channel import LogChannel, Sample, log_html
 from graphnav.core.api.logs.open_completed import open_completed
-from graphnav.core.api.logs.stack import Stack, stacked
+from graphnav.core.api.logs.stack import Stack, stacked, table_of
 from graphnav.core.api.notices import tell
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import lcm_name, message_class_of
@@ -32,6 +30,7 @@ if TYPE_CHECKING:
 
 
 _PATH = Parameter("path", example='"runs/1"')
+_MAX_NAMES = 40
 
 
 def open_log(path: PathLike, *, trust: bool = False) -> Log:
@@ -54,9 +53,6 @@ def open_log(path: PathLike, *, trust: bool = False) -> Log:
         return Log(open_completed(find_log(name), Catalog(Trust(runs_all=trust)), tell=tell))
     except OSError as error:
         raise UserError.of(f"cannot read {name}: {error.strerror}", "name a run folder or a log") from error
-
-
-_MAX_NAMES = 40
 
 
 class Log:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Problem
-from graphnav.core.graph.overrides.add_stage import add_stage
 from graphnav.core.graph.overrides.assignment import Assignment, assign
 from graphnav.core.graph.overrides.carry_over import kept_params, kept_wires, lost_wires, params_notice, written_out
 from graphnav.core.graph.overrides.override import Override
@@ -107,3 +106,15 @@ class _Change:
         """Turn references to a stage's one output from ``stage`` into ``stage.port``."""
         for stage in self._spec.stages.values():
             stage.wires = {name: written_out(entry, self._before) for name, entry in stage.wires.items()}
+
+
+def add_stage(spec: Spec, added: Assignment, catalog: Catalog, given: Collection[str], notices: list[str]) -> None:
+    """Add a stage without wires behind all others; ``given``: its parameters that are set too."""
+    spec.stages[added.stage] = StageSpec(
+        name=added.stage, place=added.place, use=added.text, use_place=added.place, use_note=added.override.note
+    )
+    try:
+        cls = catalog.stage(added.text)
+    except CatalogError:
+        return  # reported by the check of the graph
+    notices.append(params_notice(f"{added.stage}: added, {added.text}", cls, given=given))

@@ -10,8 +10,7 @@ from graphnav.core.errors import Place, Problem
 from graphnav.core.graph.overrides.prune import forget, prune
 from graphnav.core.graph.overrides.rewire import Rewiring
 from graphnav.core.graph.read.graph_files import GraphFile
-from graphnav.core.graph.read.merge_stages import StageMerge
-from graphnav.core.graph.read.merge_values import merge_entries
+from graphnav.core.graph.read.merge import StageMerge, merge_entries
 from graphnav.core.spec import Spec, Value
 
 _READ_BEFORE = ("extends", "plugins")

@@ -1,4 +1,4 @@
-"""Channels: one for every output port and every input, one writer and one name each."""
+"""Channels of a graph: their names, also those of inputs and outputs, with one writer each."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from itertools import chain
 
 from graphnav.core.errors import Place, Problem, did_you_mean
-from graphnav.core.graph.node import Channel
+from graphnav.core.graph.node import Channel, InputChannel, OutputChannel
 from graphnav.core.spec import Entry, Spec
 from graphnav.core.stage import Stage, ports_of
 
@@ -81,3 +81,38 @@ def _place(spec: Spec, channel: Channel, entry: Entry | None) -> tuple[Place, st
     if channel.ref in spec.inputs:
         return spec.inputs[channel.ref].place, "choose another name"
     return spec.stages[channel.stage].place, f"rename it: channels: {{{channel.ref}: ...}}"
+
+
+def check_outside_names(
+    spec: Spec,
+    channels: Mapping[str, Channel],
+    inputs: Mapping[str, InputChannel],
+    outputs: Mapping[str, OutputChannel],
+    problems: list[Problem],
+) -> None:
+    """Add what is wrong with the names under which channels come in and leave.
+
+    ``channels``: all of the graph; what is watched on the network has their names, so that others may not use them.
+    """
+    users = {channel.name: f"stage '{channel.stage}' writes" for ref, channel in channels.items() if ref not in inputs}
+    for ref, found in inputs.items():
+        entry = spec.inputs[ref].channel
+        if found.log is None and entry is not None:
+            _check(f"the input '{ref}'", entry, users, f"the input '{ref}' listens to", problems)
+    for ref, sent in outputs.items():
+        entry = spec.outputs[ref].channel
+        if entry is not None:
+            others = {name: use for name, use in users.items() if name != sent.channel.name}
+            _check(f"the output '{ref}'", entry, others, f"the output '{ref}' leaves on", problems)
+            users |= others
+
+
+def _check(who: str, entry: Entry, users: dict[str, str], use: str, problems: list[Problem]) -> None:
+    """Check a name and add its use to ``users``."""
+    name, place = str(entry.value.data), entry.value.place
+    if reason := why_not_a_name(name):
+        problems.append(Problem(place, f"{who}: {reason[0]}", reason[1] or "choose another name"))
+    elif name in users:
+        what = f"{who} cannot have the channel '{name}': {users[name]} it"
+        problems.append(Problem(place, what, "give each its own channel"))
+    users.setdefault(name, use)

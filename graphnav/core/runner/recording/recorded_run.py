@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,7 +12,6 @@ from graphnav.core.graph import Graph
 from graphnav.core.interrupts import CtrlC, Interrupt, working_folder_restored
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.engine import Engine, Outcome
-from graphnav.core.runner.recording.failures import Failures
 from graphnav.core.runner.recording.progress_file import ProgressFile
 from graphnav.core.runner.recording.stall import StallLimit, StallWatch, stall_error
 from graphnav.core.runner.recording.summary import Summary, steps_of
@@ -137,3 +136,37 @@ class RecordedRun:
             summary.write(self._folder / RunFolder.SUMMARY)
         except GraphnavError as error:
             raise GraphnavError(f"{error}; the log up to here is complete") from error
+
+
+class Failures:
+    """Collects what went wrong in a run and while it ended; ``on_failure`` gets every error as it is met."""
+
+    def __init__(self, on_failure: Callable[[GraphnavError], None]) -> None:
+        self._on_failure = on_failure
+        self._found: list[GraphnavError] = []
+
+    @contextmanager
+    def noted(self) -> Iterator[None]:
+        """Let an error end the block, not the run's record."""
+        try:
+            yield
+        except GraphnavError as error:
+            if not any(error is one for one in self._found):  # a log that failed says so again when it is closed
+                self._found.append(error)
+                self._on_failure(error)
+
+    def close(self, close: Callable[[], None]) -> None:
+        """Close something."""
+        with self.noted():
+            close()
+
+    def __bool__(self) -> bool:
+        return bool(self._found)
+
+    @property
+    def cause(self) -> str:
+        """The causes of all failures without their times, one per line."""
+        return "\n".join(error.cause for error in self._found)
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self._found))

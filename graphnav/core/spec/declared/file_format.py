@@ -11,8 +11,7 @@ from graphnav.core.spec.declared.json_schema import Schema, record_schema
 from graphnav.core.spec.declared.read_record import read_record
 from graphnav.core.spec.declared.record import Record
 from graphnav.core.spec.declared.reference_page import reference_page
-from graphnav.core.spec.file_bytes import read_bytes
-from graphnav.core.spec.yaml import parse_yaml
+from graphnav.core.spec.yaml import parse_yaml, read_bytes
 
 R = TypeVar("R", bound=Record)
 

@@ -1,4 +1,4 @@
-"""Threads that code of plugins has left running when a command is done."""
+"""Threads: one per process for numerics, and those that plugins leave running."""
 
 from __future__ import annotations
 
@@ -10,6 +10,15 @@ from collections.abc import Collection
 from contextlib import suppress
 
 from graphnav.core.errors import shown_name
+
+ONE_THREAD = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "OPENCV_FOR_THREADS_NUM": "1",
+}
+"""The environment of a single-threaded process; it must be set before numpy and OpenCV are loaded."""
+
 
 _PATIENCE_S = 1.0
 

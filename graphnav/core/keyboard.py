@@ -1,17 +1,51 @@
-"""Read a terminal key by key, and restore its settings afterwards."""
+"""Single keys from a terminal: its mode, and its bytes as keys."""
 
 from __future__ import annotations
 
 import os
+import re
 import select
 import termios
 from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
+_ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
+_SEQUENCE = re.compile(r"\x1b(?:O(?P<application>.)|\[(?P<arguments>[0-?]*[ -/]*)(?P<normal>[@-~]))", re.DOTALL)
+_BEGUN = re.compile(r"\x1b(?:O|\[[0-?]*[ -/]*)?")
+_MAX_BEGUN = 32
 _LFLAG, _IFLAG, _CC = 3, 0, 6
 _CHUNK = 4096
 """Maximum size of a terminal's input buffer."""
+
+
+class KeyDecoder:
+    """Decodes bytes into keys: lower-case characters, and ``up``, ``down``, ``left``, ``right``.
+
+    The escape sequence of an arrow may arrive in pieces. Other sequences are ignored.
+    """
+
+    def __init__(self) -> None:
+        self._begun = ""
+
+    def feed(self, data: bytes) -> list[str]:
+        """Return the keys that ``data`` completes."""
+        text, self._begun = self._begun + data.decode("latin-1"), ""
+        keys = []
+        at = 0
+        while at < len(text):
+            if sequence := _SEQUENCE.match(text, at):
+                arrow = _ARROWS.get(sequence["application"] or sequence["normal"])
+                if arrow and not sequence["arguments"]:
+                    keys.append(arrow)
+                at = sequence.end()
+            elif _BEGUN.fullmatch(text, at) and len(text) - at < _MAX_BEGUN:
+                self._begun = text[at:]
+                break
+            else:
+                keys.append(text[at].lower())
+                at += 1
+        return keys
 
 
 class Terminal:
