@@ -20,8 +20,7 @@ import numpy as np
 import sklearn
 from graphnav_plane.detector import MIN_VECTORS
 from graphnav_plane.learning.features import Features
-from graphnav_plane.learning.model_file import LearnedModel, write_model
-from graphnav_plane.learning.network import Network
+from graphnav_plane.learning.model_file import LearnedModel, Network, write_model
 from sklearn.metrics import roc_auc_score
 from sklearn.neural_network import MLPClassifier
 from threadpoolctl import threadpool_limits

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Floats
-from graphnav_flow.consistency import Consistency
-from graphnav_flow.enlargement import Enlargement
 from graphnav_flow.frames import Frames
 from graphnav_flow.normalization import Normalization
 from graphnav_flow.pyramid import Doubling, Pyramid
@@ -16,6 +16,8 @@ from graphnav_flow.refinement import Refinement
 from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
 
 _MEDIAN_PX = 3
+_OUTSIDE_PX = 1e9
+"""Stands for the flow outside the picture: not inf, whose product with a weight of 0 is NaN."""
 
 
 class LucasKanade(Stage):
@@ -161,3 +163,46 @@ class LucasKanade(Stage):
         cv2.medianBlur(self._merged, _MEDIAN_PX, self._filtered)
         uv_px: Floats = cv2.blur(self._filtered, box)
         return uv_px
+
+
+class Consistency:
+    """Measures by how much two flows of a pair of one size disagree; reuses its buffers."""
+
+    def __init__(self, rows: int, cols: int) -> None:
+        down, right = np.mgrid[:rows, :cols].astype(np.float32)
+        self._places = np.dstack([right, down])
+        self._source, self._met = np.empty((2, rows, cols, 2), np.float32)
+
+    def disagreement_px(self, forward: Floats, backward: Floats) -> Floats:
+        """Return the length of u(x) + w(x - u(x)), float32 (rows, cols); huge where x - u(x) lies outside the picture.
+
+        ``forward``: u, displacement since the last frame of what is now at x. ``backward``: w, the same of the reversed
+        pair, on the pixels of the last frame. Both float32 (rows, cols, 2).
+        """
+        np.subtract(self._places, forward, self._source)
+        cv2.remap(backward, self._source, None, cv2.INTER_LINEAR, self._met, cv2.BORDER_CONSTANT, (_OUTSIDE_PX, 0))
+        np.add(self._met, forward, self._met)
+        length: Floats = cv2.magnitude(self._met[..., 0], self._met[..., 1])
+        return length
+
+
+class Enlargement:
+    """Doubles a field in size and value, and averages it over a box of ``smooth_px`` of the larger layer.
+
+    The average is taken before, where it costs a quarter: over half the box, whose outer pixels count in part.
+    """
+
+    def __init__(self, smooth_px: int) -> None:
+        width = max(smooth_px / 2, 1)
+        inner = 2 * int((width - 1) / 2) + 1
+        rest = (width - inner) / 2
+        kernel = np.array([rest, *[1] * inner, rest]) / width
+        # Applied along rows and columns: the product doubles the values.
+        self._kernel = (kernel * np.sqrt(2)).astype(np.float32)
+
+    def enlarge(self, planes: Sequence[Floats], larger: Sequence[Floats]) -> None:
+        """Write each of ``planes``, (rows, cols), which it overwrites, to one of ``larger``; pixel i to pixel 2i."""
+        for plane, out in zip(planes, larger, strict=True):
+            rows, cols = out.shape
+            cv2.sepFilter2D(plane, -1, self._kernel, self._kernel, plane)
+            cv2.pyrUp(plane, out, (cols, rows))

@@ -9,7 +9,6 @@ import numpy as np
 
 from graphnav import Flow, Image, Stage, Stamp, param
 from graphnav.arrays import Doubles
-from graphnav_flow.bilinear import bilinear
 from graphnav_flow.frames import Frames
 from graphnav_flow.pyramid import Pyramid
 from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, MIN_TEXTURE_GRAY2, Validity
@@ -122,3 +121,25 @@ class PlainLucasKanade(Stage):
         if self.smooth_px > 1:
             flow = cv2.blur(flow, (self.smooth_px | 1, self.smooth_px | 1))
         return flow
+
+
+def bilinear(values: Doubles, x: Doubles, y: Doubles) -> Doubles:
+    """Return ``values`` (rows, cols, ...) at columns ``x`` and rows ``y``, both (m, n).
+
+    Exactly bilinear, where OpenCV rounds places to 1/32 pixel. Beyond the border the nearest pixel counts.
+    """
+    rows, cols = values.shape[:2]
+    x, y = np.clip(x, 0, cols - 1), np.clip(y, 0, rows - 1)
+    left, top = np.minimum(x.astype(np.intp), cols - 2), np.minimum(y.astype(np.intp), rows - 2)
+    right_share, low_share = x - left, y - top
+    lines = values.reshape(rows * cols, -1)
+    first = top * cols + left
+    sampled = np.zeros((*x.shape, lines.shape[1]))
+    for offset, share in (
+        (0, (1 - right_share) * (1 - low_share)),
+        (1, right_share * (1 - low_share)),
+        (cols, (1 - right_share) * low_share),
+        (cols + 1, right_share * low_share),
+    ):
+        sampled += share[..., None] * lines[first + offset]
+    return sampled.reshape(*x.shape, *values.shape[2:])

@@ -6,36 +6,33 @@ import math
 import os
 import re
 import stat
+import threading
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from queue import SimpleQueue
+from typing import Any, TypeVar
 
 import cv2
 
 from graphnav import ParamError
 from graphnav.arrays import Bytes
-from graphnav_io.interruptible import interruptible
 from graphnav_io.picture_size import check_pixels
 from graphnav_io.quiet import quiet
 
 FASTEST_HZ = 1000.0
 """Streams without a frame rate report meaningless values above this."""
-
 ANSI_ART = cv2.VideoWriter.fourcc(*"ansi")
 """FFmpeg renders text files as video."""
-
 LACKING_FRAMES = 3
 LACKING_RATIO = 0.02
 """A smaller deficit of frames may come from a rounded duration; a larger one means that the file is truncated."""
-
 COMPLETE = "a complete video that OpenCV can read"
-
 OPEN_TIMEOUT_S = 30.0
 """Of FFmpeg through OpenCV, where a graph does not set another one."""
-
 VIDEO_DEVICES = 81
 """Major number of the device files of cameras on Linux."""
-
 _URL = re.compile(r"^([a-z][a-z0-9+.-]*):/+", re.IGNORECASE)
+T = TypeVar("T")
 
 
 def is_stream(path: Path) -> bool:
@@ -199,3 +196,29 @@ class CaptureFrames:
     def _check_complete(self) -> None:
         if not self.is_live and self._is_truncated:
             raise ValueError(f"{self._name} ends after {self._count} of {self._declared:.0f} frames: it is truncated")
+
+
+def interruptible(call: Callable[[], T]) -> T:
+    """Return what ``call`` returns, made in another thread, which is left behind if this one is interrupted.
+
+    So Ctrl-C is obeyed during calls of C code: Python handles signals between two steps of its main thread.
+
+    Raises
+    ------
+    BaseException
+        What ``call`` raises.
+    """
+    outcome: SimpleQueue[tuple[bool, T | BaseException]] = SimpleQueue()
+
+    def work() -> None:
+        try:
+            outcome.put((True, call()))
+        except BaseException as error:  # noqa: BLE001 - raised again below
+            outcome.put((False, error))
+
+    threading.Thread(target=work, name="capture", daemon=True).start()
+    is_ok, found = outcome.get()
+    if not is_ok:
+        assert isinstance(found, BaseException)
+        raise found
+    return found  # type: ignore[return-value]

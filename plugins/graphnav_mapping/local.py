@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Literal
 
 import cv2
 import numpy as np
 
 from graphnav import Continuity, LocalMap, Motion, Mount, ParamError, Plane, Stage, Stamp, param
-from graphnav.arrays import Bools, Bytes
-from graphnav_mapping.cell_regions import distance_m, small_regions
-from graphnav_mapping.mount import MaskMount
+from graphnav.arrays import Bools, Bytes, Floats
 from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
 
@@ -208,3 +207,56 @@ class Local(Stage):
             obstacle_m=distance_m(state >= LocalMap.OBSTACLE, grid.cell_m),
             unknown_m=distance_m(state == LocalMap.UNKNOWN, grid.cell_m),
         )
+
+
+def small_regions(cells: Bools, min_cells: float) -> Bools:
+    """Return the ``cells`` (rows, cols) that are in connected regions of fewer than so many."""
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=4)
+    is_small = stats[:, cv2.CC_STAT_AREA] < min_cells
+    is_small[0] = False
+    return np.asarray(is_small[labels])
+
+
+def distance_m(there: Bools, cell_m: float) -> Floats:
+    """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
+    farthest = np.float32(cell_m * math.hypot(*there.shape))
+    cells = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # OpenCV's last bit depends on where memory lies. The square of a distance between cells is an integer.
+    apart = np.sqrt(np.rint(np.minimum(cells, np.float32(math.hypot(*there.shape))) ** 2))
+    rim_m: Floats = np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
+    return rim_m
+
+
+class MaskMount(Mount):
+    """A mounting that moves masks of pixels towards the camera's foot and away from it."""
+
+    def outward(self, mask: Bytes, height_m: float) -> Bytes:
+        """Return a mask (rows, cols) of things on the floor with what is below them, down by a height.
+
+        Vertical lines meet in the pixel of the camera's foot: every pixel is taken from farther out.
+        """
+        return self.inward(mask, -height_m)
+
+    def inward(self, mask: Bytes, height_m: float, floor_m: float = 0.0) -> Bytes:
+        """Return a mask (rows, cols) with every pixel taken from nearer to the camera's foot.
+
+        Nearer by what ``height_m`` shifts it, and by ``floor_m`` on the floor below the camera.
+        """
+        key = (*mask.shape, height_m, floor_m)
+        if key not in self._maps:
+            self._maps[key] = self._inward_map(*key)
+        found: Bytes = cv2.remap(mask, self._maps[key], None, cv2.INTER_NEAREST)
+        return found
+
+    @cached_property
+    def _maps(self) -> dict[tuple[int, int, float, float], Floats]:
+        return {}
+
+    def _inward_map(self, rows: int, cols: int, height_m: float, floor_m: float) -> Floats:
+        matrix = self.intrinsics(rows, cols)
+        x, y, depth = matrix @ self.R_CR @ [0.0, 0.0, -1.0]
+        foot = np.array([x, y]) / depth
+        away = np.dstack(np.meshgrid(np.arange(cols), np.arange(rows))) - foot
+        length = np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), 1e-6)
+        kept = (1.0 - height_m / self.height_m) - floor_m * matrix[0, 0] / self.height_m / length
+        return np.asarray(foot + away * np.maximum(kept, 0.0), np.float32)

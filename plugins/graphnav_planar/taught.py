@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from graphnav import Flow, ParamError, Planar, PlanarModel, Stage, param
+from graphnav import Flow, GraphnavError, ParamError, Planar, PlanarModel, Recording, Stage, param
 from graphnav.arrays import Bools, Floats
-from graphnav_planar.model_file import TEACH, read_model
+
+TEACH = "teach one: graphnav teach GRAPH, with a graph that ends in planar.teach"
 
 
 class Taught(Stage):
@@ -73,3 +74,23 @@ def vectors(cells: Flow, model: PlanarModel) -> tuple[Floats, Bools]:
     A vector counts if it is valid and was taught.
     """
     return cells.uv_px.reshape(-1), ((cells.valid & model.valid) != 0).reshape(-1)
+
+
+def read_model(path: Path) -> PlanarModel:
+    """Return the last planar model in the log at ``path``.
+
+    Raises
+    ------
+    ParamError
+        The file does not exist, is not a log, or does not contain a planar model; names the parameter 'model'.
+    """
+    try:
+        with Recording(path) as log:
+            for channel, kind in log.channels.items():
+                if kind is PlanarModel.lcm_class:
+                    message = log.message(channel, -1)[2]
+                    assert isinstance(message, PlanarModel)
+                    return message
+    except GraphnavError as error:
+        raise ParamError("model", str(error), TEACH) from error
+    raise ParamError("model", f"{path} holds no planar model", TEACH)

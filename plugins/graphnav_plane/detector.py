@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import cv2
 import numpy as np
 import numpy.typing as npt
@@ -9,14 +11,14 @@ import numpy.typing as npt
 from graphnav import Continuity, Flow, Planar, Plane, Stage, Stamp, coarsen, param
 from graphnav.arrays import Bools, Floats
 from graphnav_plane.memory import Memory
-from graphnav_plane.regions import kept_regions
-from graphnav_plane.rule import Rule, threshold
 
 Vectors = npt.NDArray[np.floating]
-
 MIN_VECTORS = 6
 MAX_INTERVAL_ERROR_RATIO = 0.01
 _NEXT = np.ones((3, 3), np.uint8)
+_NEIGHBOURS = 8
+Rule = Literal["mad", "otsu", "fixed"]
+_BINS = 128
 
 
 class Detector(Stage):
@@ -137,3 +139,51 @@ def compared(flow: Flow, planar: Planar) -> tuple[Flow, Bools]:
             f"but the flow is {cols}x{rows} of them"
         )
     return cells, (cells.valid != 0) & (planar.planar_valid != 0)
+
+
+def kept_regions(is_obstacle: Bools, score: Floats, strong_px: float, min_cells: int) -> Bools:
+    """Return the cells of the regions that count, (rows, cols).
+
+    A region is connected over sides and corners. It counts if it has at least ``min_cells`` cells and one of them
+    scores more than ``strong_px`` (the second threshold of hysteresis [Canny: A computational approach to edge
+    detection, 1986]).
+    """
+    count, labels, statistics, _ = cv2.connectedComponentsWithStats(
+        is_obstacle.view(np.uint8), connectivity=_NEIGHBOURS
+    )
+    is_strong = np.zeros(count, np.bool_)
+    is_strong[labels[is_obstacle & (score > strong_px)]] = True
+    counts = is_strong & (statistics[:, cv2.CC_STAT_AREA] >= min_cells)
+    counts[0] = False
+    return np.asarray(counts[labels])
+
+
+def threshold(rule: Rule, scores: npt.NDArray[np.floating], mad_ratio: float, min_px: float) -> float:
+    """Return the score above which a cell is obstacle, at least ``min_px``.
+
+    ``scores``: (n,), deviations from the ground in px, none negative, so that their median is the median absolute
+    deviation (MAD). "mad": ``mad_ratio`` times it. "otsu": the split that maximizes the variance between both sides
+    [Otsu: A threshold selection method from gray-level histograms, 1979]. "fixed": ``min_px``.
+    """
+    if rule == "fixed" or not scores.size:
+        return min_px
+    return max(min_px, mad_ratio * _median(scores) if rule == "mad" else _otsu(scores))
+
+
+def _median(scores: npt.NDArray[np.floating]) -> float:
+    """Return numpy's median of scores without NaN, several times as fast."""
+    half = scores.size // 2
+    if scores.size % 2:
+        return float(np.partition(scores, half)[half])
+    low, high = np.partition(scores, (half - 1, half))[half - 1 : half + 1]
+    return float((low + high) / 2)
+
+
+def _otsu(scores: npt.NDArray[np.floating]) -> float:
+    count, edges = np.histogram(scores, _BINS)
+    middle = (edges[:-1] + edges[1:]) / 2
+    below = np.cumsum(count)[:-1]
+    total = np.cumsum(count * middle)
+    above = scores.size - below
+    mean_gap = total[:-1] / np.maximum(below, 1) - (total[-1] - total[:-1]) / np.maximum(above, 1)
+    return float(edges[1 + np.argmax(below * above * mean_gap**2)])

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import Components, Flow, Planar, Plane, Stamp, param
-from graphnav.arrays import Doubles, Floats
-from graphnav_plane.components import components
+from graphnav.arrays import Bools, Doubles, Floats
 from graphnav_plane.detector import MIN_VECTORS, Detector, compared
 from graphnav_plane.separation import closed_form, iterated, robust_contrast
 from graphnav_plane.separation.iterated import Nonlinearity
@@ -164,3 +163,25 @@ def _gain(mixtures: Doubles) -> float:
     flow, planar = mixtures
     square = float(planar @ planar)
     return float(flow @ planar) / square if square else 0.0
+
+
+def components(cells: Flow, planar: Planar, valid: Bools, unmixing: Doubles, taken: int) -> Components:
+    """Return what ``unmixing`` (2, 2) makes of flow and planar flow, in the order of the variance of their lengths.
+
+    ``taken``: the row of ``unmixing`` that the score is made from. Means are not removed, so that the mixing of the
+    components is the flow itself [OI, eq. 2].
+    """
+    mixtures = np.stack([cells.uv_px, planar.planar_uv_px]).astype(np.float64)
+    fields = np.einsum("ij,jrck->irck", unmixing, mixtures) * valid[:, :, None]
+    variances = np.linalg.norm(fields[:, valid], axis=-1).var(axis=1)
+    order = np.argsort(variances, kind="stable")
+    alpha, beta = fields[order].astype(np.float32)
+    return Components(
+        alpha=alpha,
+        beta=beta,
+        mixing=np.asarray(np.linalg.inv(unmixing)[:, order], np.float64),
+        variances=variances[order],
+        taken=int(np.flatnonzero(order == taken)[0]),
+        valid=valid.astype(np.uint8),
+        step_px=cells.step_px,
+    )

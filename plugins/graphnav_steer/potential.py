@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from functools import lru_cache
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 import graphnav
 from graphnav import Goal, Planar, Plane, Steering, param
 from graphnav.arrays import Doubles
-from graphnav_steer.attention import cell_weights
 from graphnav_steer.axes import AHEAD, upright
-from graphnav_steer.field import OBSTACLE_LEVEL, Field, obstacle_field
 from graphnav_steer.forces import Forces
 from graphnav_steer.principal import Principal, mean_gradient
 from graphnav_steer.unjudged import RIM_DOC, UNJUDGED_DOC, Unjudged, with_unjudged
 
 Strength = Literal["share", "gradient", "unit"]
-
 STRENGTH_DOC = (
     "strength of r: the obstacle's share of the picture, the length of the mean gradient, or unit: one length whenever "
     "there is an obstacle, as that of v1 in [OI, eq. 8]"
@@ -30,10 +28,14 @@ GAIN_DOC = (
 BELL_DOC = "standard deviation, in picture widths, of a bell that weighs the map's columns; null for none"
 NEAR_DOC = "dimensionless: weight of the map's lowest row; it grows to 1 at the highest; 1 weighs all rows alike"
 BACKWARD_DOC = "whether r may point backwards; otherwise r only turns the robot aside"
-
 EVERYWHERE_RATIO = 0.9
 """At this share of obstacle and above, there is not enough ground to compare with."""
 TINY = 1e-9
+Border = Literal["zero", "nearest"]
+OBSTACLE_LEVEL = 255.0
+"""Weight of an obstacle in the potential [OI, eq. 4]."""
+REACH = 5.0
+"""Truncation of the Gaussian in standard deviations; the loss is below one millionth."""
 
 
 class Potential(Forces):
@@ -103,3 +105,76 @@ def _freer_side(columns: list[float]) -> float:
     half = len(columns) // 2
     left, right = sum(columns[:half]), sum(columns[::-1][:half])
     return float((left < right) - (left > right))
+
+
+class Field(NamedTuple):
+    """``potential`` (rows, cols) and its ``gradient`` (rows, cols, 2), right and down, per cell."""
+
+    potential: Doubles
+    gradient: Doubles
+
+
+def obstacle_field(weighted: Doubles, sigma_cells: float, border: Border) -> Field:
+    """Return G_sigma * (255 d) and its gradient [OI, eq. 4 to 6].
+
+    ``weighted``: (rows, cols), d, or d times a weight. ``border``: the assumption beyond the grid, "zero" (no
+    obstacle, as in the integral) or "nearest" (the outermost cell is repeated). The Gaussian is normalised; the
+    gradient is the convolution with its derivative, so that no differences are taken at the border. Matrices are
+    cached.
+    """
+    rows, cols = weighted.shape
+    smooth_y, slope_y = _matrices(rows, sigma_cells, border)
+    along_x = weighted @ _matrices_x(cols, sigma_cells, border)
+    potential_and_right = smooth_y @ along_x
+    gradient = np.empty((rows, cols, 2))
+    gradient[..., 0] = potential_and_right[:, cols:]
+    gradient[..., 1] = slope_y @ along_x[:, :cols]
+    return Field(potential_and_right[:, :cols], gradient)
+
+
+@lru_cache(maxsize=16)
+def _matrices_x(cells: int, sigma_cells: float, border: Border) -> Doubles:
+    """Return the matrix that smooths rows, beside that which differentiates them, (cells, 2 cells), times 255."""
+    matrix: Doubles = OBSTACLE_LEVEL * np.concatenate(_matrices(cells, sigma_cells, border)).T
+    matrix = np.ascontiguousarray(matrix)
+    matrix.setflags(write=False)
+    return matrix
+
+
+@lru_cache(maxsize=16)
+def _matrices(cells: int, sigma_cells: float, border: Border) -> tuple[Doubles, Doubles]:
+    """Return the matrices that smooth ``cells`` values and differentiate the result, both (cells, cells)."""
+    reach = math.ceil(REACH * sigma_cells)
+    distance = np.arange(-reach - cells, reach + cells + 1, dtype=np.float64)
+    kernel = np.exp(-0.5 * (distance / sigma_cells) ** 2)
+    kernel /= kernel.sum()
+    slope = -distance / sigma_cells**2 * kernel
+    return _toeplitz(kernel, cells, border), _toeplitz(slope, cells, border)
+
+
+def _toeplitz(kernel: Doubles, cells: int, border: Border) -> Doubles:
+    """Return the matrix whose row i holds ``kernel`` centred on i; with "nearest" its ends are added to the edges."""
+    middle = len(kernel) // 2
+    inside = np.arange(cells)
+    matrix: Doubles = kernel[middle + inside[:, None] - inside[None, :]]
+    if border == "nearest":
+        tail = np.cumsum(kernel)
+        matrix[:, 0] += kernel.sum() - tail[middle + inside]
+        matrix[:, -1] += tail[middle + inside - cells]
+    matrix.setflags(write=False)
+    return matrix
+
+
+@lru_cache(maxsize=16)
+def cell_weights(rows: int, cols: int, bell_ratio: float | None, near_weight: float) -> Doubles:
+    """Return the weight of every cell, (rows, cols), at most 1.
+
+    ``bell_ratio``: standard deviation of a bell across the picture, in picture widths; None for none.
+    ``near_weight``: weight of the lowest row, from where it grows linearly to 1 at the highest.
+    """
+    across = np.ones(cols)
+    if bell_ratio is not None:
+        across = np.exp(-0.5 * ((np.arange(cols) - (cols - 1) / 2) / (bell_ratio * cols)) ** 2)
+    weights: Doubles = np.linspace(1.0, near_weight, rows)[:, None] * across
+    weights.setflags(write=False)
+    return weights

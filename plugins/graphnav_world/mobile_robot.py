@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from graphnav import Goal, param
-from graphnav_world.beacon import BeaconErrors
 from graphnav_world.odometry import OdometryErrors
-from graphnav_world.signs import drawn_sign
 from graphnav_world.simulation import Simulation
 from graphnav_world.slip import Slip
 from graphnav_world.vehicle import Limits, Pose, Vehicle
@@ -122,3 +122,30 @@ class MobileRobot(Simulation):
         x, y = self._goal_center_m[0] - pose.x_m, self._goal_center_m[1] - pose.y_m
         bearing = math.remainder(math.atan2(y, x) - pose.yaw_rad, 2 * math.pi)
         return self._beacon_errors.read(bearing, math.hypot(x, y))
+
+
+@dataclass(frozen=True)
+class BeaconErrors:
+    """Errors of a run: a constant bias of the bearing and scale of the distance, and new noise of every bearing.
+
+    ``rng`` draws the noise. ``bias_rad``: counterclockwise. ``distance_scale``: 1 is exact.
+    """
+
+    rng: np.random.Generator
+    sigma_rad: float
+    bias_rad: float
+    distance_scale: float
+
+    def read(self, bearing_rad: float, distance_m: float) -> Goal:
+        """Return what the beacon tells of the true bearing and distance."""
+        error_rad = self.bias_rad
+        if self.sigma_rad:
+            error_rad += self.sigma_rad * float(self.rng.standard_normal())
+        if error_rad:
+            bearing_rad = math.remainder(bearing_rad + error_rad, 2 * math.pi)
+        return Goal(bearing_rad=bearing_rad, distance_m=distance_m * self.distance_scale)
+
+
+def drawn_sign(seed: Sequence[int]) -> float:
+    """Return -1 or 1, each with probability one half."""
+    return 1.0 if np.random.default_rng(seed).integers(2) else -1.0

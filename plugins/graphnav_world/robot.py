@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
+
+import numpy as np
 
 from graphnav import (
     Finished,
@@ -27,12 +29,10 @@ from graphnav_world.drive import Drive
 from graphnav_world.late_motion import LatePoses
 from graphnav_world.mobile_robot import MobileRobot
 from graphnav_world.odometry import DeadReckoning
-from graphnav_world.schedule import Schedule
 from graphnav_world.vehicle import Pose
 
 MAP_HZ = 0.5
 """Period of the map, which is repeated for late subscribers."""
-
 _MAX_PENDING = 2
 """Maximum number of pending odometry samples; a late step loses older ones, as a driver's buffer does."""
 
@@ -167,3 +167,26 @@ class Robot(MobileRobot):
         state = self._state(pose._replace(clearance_m=self._clearance_m), now_us / 1e6)
         self._clearance_m = math.inf
         return state
+
+
+class Schedule:
+    """Times at a rate, microseconds from 0 on, each but the first off its nominal time by at most a jitter.
+
+    ``jitter_s``: below half a period, so that the order stays; ``seed`` draws it uniformly to both sides.
+    """
+
+    def __init__(self, rate_hz: float, jitter_s: float = 0.0, seed: Sequence[int] = ()) -> None:
+        self._rate_hz, self._jitter_s = rate_hz, jitter_s
+        self._rng = np.random.default_rng(seed)
+        self._count = 0
+        self._next_us = 0
+
+    def due(self, now_us: int) -> list[int]:
+        """Return the times that have come since the last call, oldest first, each once."""
+        times = []
+        while self._next_us <= now_us:
+            times.append(self._next_us)
+            self._count += 1
+            jitter_us = 1e6 * self._jitter_s * self._rng.uniform(-1.0, 1.0)
+            self._next_us = round(1e6 * self._count / self._rate_hz + jitter_us)
+        return times

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from graphnav import Finished, Goal, Image, Latest, Map, Motion, Stamp, State, Truth, Twist, param
+from graphnav_world.delay_line import DelayLine
 from graphnav_world.drive import STANDSTILL
-from graphnav_world.late_drive import LateDrive
 from graphnav_world.late_motion import LateMotion
 from graphnav_world.mobile_robot import MobileRobot
 from graphnav_world.odometry import displacement
+from graphnav_world.vehicle import Pose, Vehicle
 
 
 class WorldOutputs(NamedTuple):
@@ -81,3 +82,29 @@ class Pymunk(MobileRobot):
         moved, interval_us = self._late_motion.next(displacement(then, self._wheels), interval_us)
         [(forward_m, left_m, turn_rad)] = self._errors.read((moved, interval_us / 1e6))
         return Motion(forward_m=forward_m, left_m=left_m, turn_rad=turn_rad, interval_us=interval_us)
+
+
+class LateDrive:
+    """Drives a vehicle by one command a period, each of which acts ``latency_s`` after the period's beginning.
+
+    The time need not be a multiple of the period. Until the first command acts the robot stands.
+    """
+
+    def __init__(self, vehicle: Vehicle, latency_s: float) -> None:
+        self._vehicle = vehicle
+        self._commands: DelayLine[Twist] = DelayLine(round(1e6 * latency_s))
+        self._twist = STANDSTILL
+
+    def advance(self, command: Twist, begin_us: int, until_us: int) -> Pose:
+        """Drive over a period; return the pose at its end, with the minimum clearance during it."""
+        self._commands.put(command, begin_us)
+        clearances_m = []
+        while True:
+            for _, twist in self._commands.due(begin_us):
+                self._twist = twist
+            end_us = min(until_us, self._commands.next_us)
+            pose = self._vehicle.advance(self._twist.v_mps, self._twist.omega_radps, end_us / 1e6)
+            clearances_m.append(pose.clearance_m)
+            if end_us >= until_us:
+                return pose._replace(clearance_m=min(clearances_m))
+            begin_us = int(end_us)

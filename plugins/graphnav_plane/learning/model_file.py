@@ -21,18 +21,18 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav import ParamError, read_regular
+from graphnav.arrays import Floats
 from graphnav_plane.learning.features import NAMES
-from graphnav_plane.learning.network import Network
 
 FORMAT = 1
 MAX_BYTES = 64 * 1024**2
 """Of a model's file."""
 TEACH = "teach one: python tools/teach_learned.py -o FILE"
-
 _DAMAGED = (ValueError, KeyError, TypeError, AttributeError, EOFError, RuntimeError, SyntaxError, struct.error)
 """Exceptions of numpy, zipfile and json for files that they cannot read."""
-
 Arrays = Mapping[str, npt.NDArray[Any]]
+_MAX_DEVIATION = 8.0
+"""Features further from their mean, in standard deviations, count as this far: what was never taught stays finite."""
 
 
 @dataclass(frozen=True)
@@ -94,3 +94,32 @@ def _network(path: Path, arrays: Arrays) -> Network:
     if not layers or sizes[-1] != 1 or [array.shape for array in found] != wanted or not (network.scale > 0).all():
         raise ParamError("model", f"the arrays of {path} do not fit together", TEACH)
     return network
+
+
+@dataclass(frozen=True)
+class Network:
+    """A multilayer perceptron: standardised features, layers of rectified sums, the log-odds of obstacle.
+
+    Parameters
+    ----------
+    mean, scale
+        (features,), by which features are standardised.
+    weights, biases
+        Of each layer, (inputs, outputs) and (outputs,); the last has one output.
+    """
+
+    mean: Floats
+    scale: Floats
+    weights: tuple[Floats, ...]
+    biases: tuple[Floats, ...]
+
+    def log_odds(self, features: Floats) -> Floats:
+        """Return the log-odds of obstacle (n,) of cells with ``features`` (n, features); 0 is even."""
+        values = self.standardised(features)
+        for weights, biases in zip(self.weights[:-1], self.biases[:-1], strict=True):
+            values = np.maximum(values @ weights + biases, np.float32(0))
+        return np.asarray((values @ self.weights[-1] + self.biases[-1])[:, 0])
+
+    def standardised(self, features: Floats) -> Floats:
+        """Return ``features`` (n, features) as the first layer takes them."""
+        return np.asarray(np.clip((features - self.mean) / self.scale, -_MAX_DEVIATION, _MAX_DEVIATION))

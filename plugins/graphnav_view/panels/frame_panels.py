@@ -5,15 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from graphnav import Map, Scene
+from matplotlib.axes import Axes
+
+from graphnav import LocalMap, Map, Scene
+from graphnav_view.maps.local_map import UNKNOWN, draw_local_map
 from graphnav_view.panels import camera_panels, force_panel, potential_panels
 from graphnav_view.panels.keyframe import Frame
-from graphnav_view.panels.local_map_panel import draw_surroundings
 from graphnav_view.panels.panel_page import Panel
 from graphnav_view.panels.scene_panel import SceneMoment, draw_scene
 from graphnav_view.track import Track, is_placed
 
 CLOUD = "cloud of gradients"
+_SHOWN_M = 4.0
+"""Height of the panel."""
+_PX_PER_CELL = 4
 
 
 def frame_panels(world: Map | None, track: Track | None, frame: Frame) -> Iterator[Panel]:
@@ -35,3 +40,25 @@ def frame_panels(world: Map | None, track: Track | None, frame: Frame) -> Iterat
         yield Panel(CLOUD, partial(potential_panels.draw_cloud, frame=frame), letter="f")
     if frame.steering is not None:
         yield Panel("direction of attention", partial(force_panel.draw_direction, frame=frame), letter="g")
+
+
+def draw_surroundings(axes: Axes, local: LocalMap) -> str:
+    """Draw the part of a map around the robot, x of its frame to the right and y up; return the caption."""
+    rows, cols = local.state.shape
+    left_m, low_m = local.origin_x_m - local.cell_m / 2, local.origin_y_m - local.cell_m / 2
+    axes.imshow(
+        draw_local_map(local, _PX_PER_CELL * rows, _PX_PER_CELL * cols),
+        extent=(left_m, left_m + cols * local.cell_m, low_m, low_m + rows * local.cell_m),
+        interpolation="nearest",
+        aspect="auto",
+    )
+    box = axes.get_window_extent()
+    half_m = _SHOWN_M / 2
+    half_width_m = half_m * box.width / box.height
+    axes.set_facecolor(UNKNOWN)
+    axes.set_xlim(local.x_m - half_width_m, local.x_m + half_width_m)
+    axes.set_ylim(local.y_m - half_m, local.y_m + half_m)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    colors = "white: free; gray: unknown; red: obstacle; orange:\nmoving"
+    return f"{colors}; {_SHOWN_M:g} m high, heading of the start to the right"

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from graphnav_control.free_way import free_way_m, safe_speed_mps
-from graphnav_control.nonholonomic import Nonholonomic
+from graphnav_control.nonholonomic import Nonholonomic, free_way_m, safe_speed_mps
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from graphnav_flow.consistency import Consistency
-from graphnav_flow.lucas_kanade import LucasKanade
+from graphnav_flow.lucas_kanade import Consistency, LucasKanade
 
 if TYPE_CHECKING:
     from tests.plugins.flow.conftest import Pair

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from graphnav_flow.enlargement import Enlargement
+from graphnav_flow.lucas_kanade import Enlargement
 from graphnav_flow.pyramid import Doubling, Pyramid
 
 from graphnav.arrays import Floats

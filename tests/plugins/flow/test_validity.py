@@ -11,9 +11,8 @@ import pytest
 from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
-from graphnav_flow.texture import Texture, min_eigenvalue
 from graphnav_flow.truth import Truth
-from graphnav_flow.validity import Inside
+from graphnav_flow.validity import Inside, Texture, min_eigenvalue
 
 import graphnav
 from graphnav import Stage

@@ -7,9 +7,8 @@ import zlib
 from pathlib import Path
 
 import pytest
-from graphnav_io.capture import open_capture
+from graphnav_io.capture import interruptible, open_capture
 from graphnav_io.images import Images
-from graphnav_io.interruptible import interruptible
 from graphnav_io.pictures import read_picture
 from graphnav_io.video import Video
 

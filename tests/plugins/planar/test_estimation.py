@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from graphnav_planar.estimation.egomotion import fitted_motion
-from graphnav_planar.estimation.refinement import correction
 from graphnav_planar.estimation.series import Series
+from graphnav_planar.motion import correction
 
 from graphnav.arrays import Doubles
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from graphnav_planar.kept_frames import KeptFrames
 from graphnav_planar.principal_components import principal_components
+from graphnav_planar.teach import KeptFrames
 
 from graphnav.arrays import Bools, Doubles
 

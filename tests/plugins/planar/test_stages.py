@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from graphnav_planar.mean import Mean
-from graphnav_planar.model_file import read_model
 from graphnav_planar.motion import Motion
+from graphnav_planar.taught import read_model
 from graphnav_planar.teach import Teach
 
 from graphnav import Flow, Image, ParamError, PlanarModel, Stage

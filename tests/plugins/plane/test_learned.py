@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from graphnav_plane.learned import Learned
 from graphnav_plane.learning.features import NAMES, Features
-from graphnav_plane.learning.model_file import LearnedModel, read_model, write_model
-from graphnav_plane.learning.network import Network
+from graphnav_plane.learning.model_file import LearnedModel, Network, read_model, write_model
 from graphnav_plane.one_gain import OneGain
 from sklearn.neural_network import MLPClassifier
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from graphnav_plane.regions import kept_regions
+from graphnav_plane.detector import kept_regions
 from graphnav_plane.residual import Residual
 
 from graphnav import Plane, Stamp

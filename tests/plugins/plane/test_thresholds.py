@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from graphnav_plane.detector import threshold
 from graphnav_plane.ica import Ica
-from graphnav_plane.rule import threshold
 
 from graphnav import ParamError
 

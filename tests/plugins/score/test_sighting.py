@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from graphnav_score.body_labels import BodyLabels
 from graphnav_score.floor_points import floor_points_m
-from graphnav_score.sighting import Sighting
+from graphnav_score.sighting import BodyLabels, Sighting
 from graphnav_world.rendering.camera import Camera
 
 from graphnav import Latest, Map, Plane, Stamp, State, Truth, Twist

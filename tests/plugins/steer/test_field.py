@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from graphnav_steer.field import obstacle_field
+from graphnav_steer.potential import obstacle_field
 
 SIGMA = 3.0
 

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from graphnav_steer.lap import once_around
-from graphnav_steer.oracle import Oracle
+from graphnav_steer.oracle import Oracle, once_around
 
 from graphnav import Latest, Map, State
 from graphnav.arrays import Doubles

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from graphnav_steer.field import obstacle_field
 from graphnav_steer.mean_gradient import MeanGradient
 from graphnav_steer.pca import Pca
+from graphnav_steer.potential import obstacle_field
 
 from graphnav import Goal, Latest, Planar, Plane, Steering
 from graphnav.arrays import Bytes

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from graphnav_view.panels.frame_panels import frame_panels
+from graphnav_view.panels.frame_panels import draw_surroundings, frame_panels
 from graphnav_view.panels.keyframe import Frame
-from graphnav_view.panels.local_map_panel import draw_surroundings
 from matplotlib import pyplot as plt
 
 from graphnav import LocalMap

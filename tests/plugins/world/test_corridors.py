@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import yaml
 from graphnav_world.geometry import outlines
+from graphnav_world.maps.map_bodies import cut
 from graphnav_world.maps.passage import Passage
-from graphnav_world.maps.wall_doors import cut
 from graphnav_world.maps.world_map import WorldMap, load_map
 
 from graphnav import UserError

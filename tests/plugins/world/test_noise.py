@@ -6,7 +6,7 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
-from graphnav_world.rendering.noise import STEPS, normal_noise
+from graphnav_world.rendering.render import STEPS, normal_noise
 
 
 def test_it_is_normal() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from graphnav_world.schedule import Schedule
+from graphnav_world.robot import Schedule
 
 
 def test_without_jitter_times_are_those_of_the_rate() -> None:
