@@ -71,8 +71,8 @@ from .core.grid import (
     coarsen as coarsen,
 )
 from .core.hooks import hookimpl as hookimpl
-from .core.machine.atomic_write import written_aside as written_aside
-from .core.machine.regular_file import read_regular as read_regular
+from .core.machine.files import read_regular as read_regular
+from .core.machine.files import written_aside as written_aside
 from .core.messages import (
     About as About,
 )

@@ -17,8 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from graphnav.core.errors import GraphnavError, shown_path
-from graphnav.core.machine.atomic_write import write_atomically
-from graphnav.core.machine.regular_file import MAX_JSON_BYTES, is_own, read_regular
+from graphnav.core.machine.files import MAX_JSON_BYTES, is_own, read_regular, write_atomically
 from graphnav.core.machine.user_folders import no_user_folder, user_folder
 from graphnav.core.notices import print_notice
 from graphnav.core.run_folder import RunFolder, is_graph_of_run

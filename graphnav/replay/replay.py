@@ -15,14 +15,16 @@ from graphnav.core.codec import DecodeError, encode
 from graphnav.core.errors import StageError
 from graphnav.core.graph import RESERVED
 from graphnav.core.interrupts import third_party_code
+from graphnav.core.machine import read_json
 from graphnav.core.record import LogWriter
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Engine, Failures, Summary, about_of, live_about
+from graphnav.core.stage import FormerNames
 from graphnav.replay.comparison.comparison import Comparison, Scope
 from graphnav.replay.comparison.field_differences import Tolerance
 from graphnav.replay.comparison.result import ReplayResult, Reproduced
 from graphnav.replay.log.contents import read_contents
 from graphnav.replay.log.log_graph import LogGraph
-from graphnav.replay.log.recorded_metrics import recorded_scores
 from graphnav.replay.log.reproduction import Reproduction, reproduction_of
 from graphnav.replay.plan import make_plan
 from graphnav.replay.session import live_session, lockstep_session
@@ -239,3 +241,23 @@ def _not_replayed(recording: Recording, made: LogGraph, replayed: set[str]) -> I
     for name in made.about.channels if made.about is not None else ():
         if name not in replayed and not name.startswith(RESERVED) and recording.count(name):
             yield name
+
+
+def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
+    """Return the metrics by stage in the summary of a run folder, empty without a readable one."""
+    if log.name != RunFolder.LOG:
+        return {}
+    try:
+        summary = read_json(log.parent / RunFolder.SUMMARY)
+    except (OSError, ValueError):
+        return {}
+    scores = summary.get("scores") if isinstance(summary, dict) else None
+    return {
+        stage: {FormerNames.metric_now(name): float(value) for name, value in metrics.items() if _is_number(value)}
+        for stage, metrics in (scores.items() if isinstance(scores, dict) else ())
+        if isinstance(metrics, dict)
+    }
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -4,10 +4,11 @@ from graphnav.core.codec.compiled import Codec, codec_of
 from graphnav.core.codec.definition import comments_of, constants_of, definition_of, lcm_text_of
 from graphnav.core.codec.envelope import decode, encode, not_finite
 from graphnav.core.codec.errors import DecodeError, EncodeError
-from graphnav.core.codec.find_type import SHIPPED, find_type
 from graphnav.core.codec.given_types import add_given_types
 from graphnav.core.codec.known_types import (
+    SHIPPED,
     add_type,
+    find_type,
     known_types,
     message_class_of,
     message_classes,

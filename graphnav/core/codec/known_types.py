@@ -1,4 +1,4 @@
-"""The known LCM types, by name and by fingerprint."""
+"""Known LCM types, by name and by fingerprint; a type by any of its names."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ from typing import NamedTuple
 import graphnav_lcm
 
 from graphnav.core.codec.layout import fingerprint, hide_prefix, lcm_name
+from graphnav.core.errors import UserError, did_you_mean
 from graphnav.core.messages import Message
 
 _added: dict[str, type] = {}
 """Types without a message class, by their LCM names; filled by imports, as subclasses are."""
+_n_added = 0
+SHIPPED: tuple[type, ...] = tuple(found for found in vars(graphnav_lcm).values() if hasattr(found, "__typenames__"))
+"""The types of ``lcmtypes/``, by name."""
 
 
 class _ByFingerprint(NamedTuple):
@@ -24,7 +28,6 @@ class _ByFingerprint(NamedTuple):
     types: Mapping[bytes, type]
 
 
-_n_added = 0
 _by_fingerprint = _ByFingerprint((-1, -1), {})
 
 
@@ -100,3 +103,27 @@ def type_of(data: bytes) -> type | None:
         types = {fingerprint(lcm_class): lcm_class for lcm_class in reversed(known_types())}
         known = _by_fingerprint = _ByFingerprint(age, types)
     return known.types.get(data[:8])
+
+
+def find_type(name: str, more: Mapping[str, type] | None = None) -> type:
+    """Return the lcm-gen class of the LCM type or message class ``name``; shipped types come first.
+
+    ``more``: further types by their LCM names, such as those of adapters.
+
+    Raises
+    ------
+    UserError
+        There is no such type; the hint names the nearest.
+    """
+    named: dict[str, type] = dict(more or {})
+    for lcm_class in (*(message.lcm_class for message in message_classes()), *SHIPPED):
+        named[lcm_name(lcm_class)] = lcm_class
+    short = {full.rpartition(".")[2]: lcm_class for full, lcm_class in named.items()}
+    short |= {message.__name__: message.lcm_class for message in reversed(list(message_classes()))}
+    found = named.get(name) or short.get(name) or type_named(name)
+    if found is None:
+        hint = did_you_mean(name, {*named, *short}) or (
+            "'graphnav types' lists the shipped types; for others write package.type_t and install the package"
+        )
+        raise UserError.of(f"there is no LCM type '{name}'", hint)
+    return found

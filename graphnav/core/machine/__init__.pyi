@@ -1,14 +1,13 @@
 # What the rest of graphnav takes of this folder, each imported on first use.
 
-from .atomic_write import path_aside, write_atomically
 from .console import Console
 from .escaped_streams import escaped_output
 from .extras import import_pandas, install_command, requirements_of
+from .files import is_own, path_aside, read_json, write_atomically
 from .instruction_set import PORTABLE, expected_instruction_set, used_instruction_set
 from .packet_filter import keep_channels
 from .pins import OPT_OUT, lacking, pin
 from .receive_buffer import ReceiveBuffer
-from .regular_file import is_own, read_json
 from .terminal_graphics import TerminalGraphics
 from .threads import ONE_THREAD, end_despite_threads
 from .user_folders import no_user_folder, user_folder

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.core.errors import LogError
-from graphnav.core.machine.regular_file import open_regular
+from graphnav.core.machine.files import open_regular
 
 SYNC = 0xEDA1DA01
 HEADER = struct.Struct(">Iqqii")

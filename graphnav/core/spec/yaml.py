@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from graphnav.core.errors import Place, Problem, UserError
-from graphnav.core.machine.regular_file import read_regular
+from graphnav.core.machine.files import read_regular
 from graphnav.core.spec.value import Entry, Value, parse_scalar
 
 MAX_BYTES = 256 * 1024

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Self
 
 from graphnav.core.errors import Place, UserError
-from graphnav.core.machine.regular_file import read_regular
+from graphnav.core.machine.files import read_regular
 
 MAX_BYTES = 16 * 1024**2
 """Of a file of definitions."""

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 
 from graphnav.core.errors import GraphnavError
-from graphnav.core.machine.atomic_write import write_atomically
+from graphnav.core.machine.files import write_atomically
 
 DiskOf = Callable[[int], AbstractContextManager[None]]
 
 KILLED = """
 import resource, signal, sys
 from pathlib import Path
-from graphnav.core.machine.atomic_write import write_atomically
+from graphnav.core.machine.files import write_atomically
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 sys.dont_write_bytecode = True
 resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))

@@ -25,7 +25,7 @@ from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.progress_file import ProgressFile
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.summary import Summary
-from graphnav.core.spec.declared.plugin_formats import plugin_formats
+from graphnav.core.spec.declared.file_format import plugin_formats
 from tests.core.runner.misbehaving import KINDS, SUMMARIES
 from tests.forked_commands import forked_graphnav
 

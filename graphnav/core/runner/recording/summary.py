@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar
 
-from graphnav.core.machine.atomic_write import write_atomically
+from graphnav.core.machine.files import write_atomically
 from graphnav.core.machine.instruction_set import used_instruction_set
 from graphnav.core.runner.unit import Unit
 from graphnav.core.stage import Stage, reported_metrics

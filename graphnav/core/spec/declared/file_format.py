@@ -1,17 +1,21 @@
-"""A kind of file, by its declared root: how it is read, checked and described."""
+"""Kinds of files, each by its declared root: how it is read, checked and described; those of installed plugins."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from graphnav.core.errors import Place, Problem, shown_path
+from graphnav.core.errors import CatalogError, Place, Problem, shown_path
 from graphnav.core.spec.declared.json_schema import Schema, record_schema
 from graphnav.core.spec.declared.read_record import read_record
 from graphnav.core.spec.declared.record import Record
 from graphnav.core.spec.declared.reference_page import reference_page
 from graphnav.core.spec.yaml import parse_yaml, read_bytes
+
+if TYPE_CHECKING:
+    from graphnav.core.catalog import Catalog
+
 
 R = TypeVar("R", bound=Record)
 
@@ -67,3 +71,27 @@ class FileFormat(Generic[R]):
     def reference(self) -> str:
         """Return the reference page, in Markdown."""
         return reference_page(self.record, self.title, self.doc)
+
+
+def plugin_formats(catalog: Catalog) -> dict[str, FileFormat[Any]]:
+    """Return the formats of all installed plugins, which are imported, by name.
+
+    Raises
+    ------
+    CatalogError
+        A plugin cannot be imported, does not return formats, or returns one of a name that another one has.
+    """
+    for family in catalog.families():
+        catalog.load(family)
+    found: dict[str, FileFormat[Any]] = {}
+    for hook in catalog.hook.graphnav_file_formats.get_hookimpls():
+        origin = hook.plugin_name.partition(": ")[2]
+        given = catalog.called(origin, "graphnav_file_formats()", hook.function)
+        if not isinstance(given, list | tuple) or not all(isinstance(one, FileFormat) for one in given):
+            what = f"{origin}: graphnav_file_formats() does not return a list of FileFormat"
+            raise CatalogError(what, "return [FileFormat(...)]")
+        for one in given:
+            if one.name in found:
+                raise CatalogError(f"{origin}: there is another file format '{one.name}'", "give it another name")
+            found[one.name] = one
+    return found
