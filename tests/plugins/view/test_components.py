@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from graphnav_view.panels.separation_panels import mixture
+from graphnav_view.panels.separation_page import mixture
 
 from graphnav import Components, Recording
 from graphnav.core.cli import main
