@@ -9,8 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from graphnav import About
+from graphnav.core.record import LogWriter
+
 from .browser import CHROMIUM, Browser
-from .drive import MARKUP
+from .drive import MARKUP, messages
 from .served import Served
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get install chromium")
@@ -181,6 +184,18 @@ def test_nothing_jumps_while_a_log_plays(page: Browser) -> None:
     before = page.evaluate("all('main > section').map(place)")
     page.wait_for("parseFloat(id('at').textContent) > 2.5")
     assert np.array(page.evaluate("all('main > section').map(place)")) == pytest.approx(np.array(before), abs=1)
+
+
+def test_a_log_without_its_graph_says_so_once_it_was_read(browser: Browser, serve: Serve, tmp_path: Path) -> None:
+    path = tmp_path / "foreign.lcmlog"
+    with LogWriter(path) as writer:
+        for channel, utime, data in messages():
+            if channel != About.CHANNEL:
+                writer.write(channel, utime, data)
+    browser.open(serve(path).url)
+    browser.wait_for("id('graph-empty')?.textContent === 'The log does not hold the graph that produced it.'")
+    assert browser.evaluate("!id('graph-empty').hidden")
+    browser.open("about:blank")
 
 
 def test_a_lost_server_is_said(browser: Browser, serve: Serve, log: Path) -> None:

@@ -33,7 +33,7 @@ const connection = new Connection({
     floor.reset();
     if (!hello.log) return;
     timeline.show(hello.length_s);
-    setText(byId("graph-empty"), "The log does not hold the graph that produced it.");
+    setText(byId("graph-empty"), "The log is being read.");
   },
   state: (name) => heading.connected(name),
   update,
@@ -59,7 +59,12 @@ async function update(message, picture) {
     state = message.state;
     channels = new Map(state.channels.map((channel) => [channel.name, channel]));
     heading.update(state);
-    if (state.log) timeline.update(state.log);
+    if (state.log) {
+      timeline.update(state.log);
+      if (!state.run_id && channels.size > 0) {
+        setText(byId("graph-empty"), "The log does not hold the graph that produced it.");
+      }
+    }
     if (isOtherRun) {
       floor.reset();
       if (!channels.has(shown.channel)) shown.channel = null;
