@@ -240,6 +240,8 @@ def test_frozen_false_live(
             numbers.put(number)
 
     half = seeds[place::2]
+    if not half:
+        pytest.skip("a single seed is the other graph's")
     _count(targets, f"{graph} live, {FALSE_LIVE_S * len(half) / 60:.1f} min", half, jobs, false_live)
 
 

@@ -205,7 +205,7 @@ def requests_heard() -> Iterator[tuple[int, list[int]]]:
 
 @pytest.fixture(scope="module")
 def planted(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Planted]:
-    """Plant all scenes, for a user who trusts nothing yet."""
+    """Plant all scenes once; only the runs of the user's own are trusted then."""
     folder = tmp_path_factory.mktemp("trust")
     with pytest.MonkeyPatch.context() as patch, requests_heard() as (port, heard):
         patch.setenv("XDG_STATE_HOME", str(folder / "state"))
@@ -215,14 +215,23 @@ def planted(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Planted]:
         yield plant(folder / "work", port, heard)
 
 
+@pytest.fixture
+def untried(planted: Planted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Planted:
+    """Return the scenes for a user who has run none of them: what commands remember holds for one test."""
+    shutil.copytree(planted.folder.parent / "state", tmp_path / "state")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return planted
+
+
 @pytest.mark.parametrize(("scene", "command"), [(scene, command) for scene in SCENES for command in words_of(scene)])
-def test_trust(targets: Targets, planted: Planted, scene: str, command: str) -> None:
+def test_trust(targets: Targets, untried: Planted, scene: str, command: str) -> None:
     """Start a command on a scene, without consent: only what the user names runs."""
     words = words_of(scene)[command]
     start = [sys.executable, "-c", OPEN_LOG, *words[1:]] if command == "open_log" else [str(GRAPHNAV), *words]
-    status, said = _status(start, planted.folder / ("graph" if command in _in_any() else ""))
-    ran, asked = planted.has_run(), len(planted.heard)
-    planted.heard.clear()
+    status, said = _status(start, untried.folder / ("graph" if command in _in_any() else ""))
+    ran, asked = untried.has_run(), len(untried.heard)
+    untried.heard.clear()
     may = command in RUNS and "--report" not in words and scene != "escape"
     fine = not (ran or asked) or may or (command == "profile" and scene == "stream")
     effect = "code ran" if ran else f"{asked} requests" if asked else "nothing ran"
