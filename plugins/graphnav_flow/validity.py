@@ -20,9 +20,10 @@ MARGIN_PX = 6.0
 MARGIN_DOC = "vectors from or at places nearer to the border than this are not valid"
 MIN_TEXTURE_GRAY2 = 4.0
 MIN_TEXTURE_DOC = "minimum of the smaller eigenvalue of the structure tensor for a vector to be valid"
+BLOCK_PX = 4
+"""Side of the blocks over which the structure tensor is averaged first."""
 _BOTH = 0x0101
 """Two adjacent true values, read as one integer."""
-BLOCK_PX = 4
 
 
 class Validity:

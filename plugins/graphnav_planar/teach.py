@@ -238,7 +238,10 @@ def _widened(span: Doubles, value: float) -> Doubles:
 
 
 class KeptFrames:
-    """Every n-th frame of a drive; n doubles whenever the frames are too many."""
+    """A bounded selection of the frames of a drive, spread evenly over it.
+
+    Every n-th frame; n doubles whenever the frames are too many.
+    """
 
     def __init__(self) -> None:
         self._every = 1

@@ -13,12 +13,14 @@ from graphnav.arrays import Bools, Floats
 from graphnav_plane.memory import Memory
 
 Vectors = npt.NDArray[np.floating]
+Rule = Literal["mad", "otsu", "fixed"]
+"""How `threshold` finds the score above which a cell is obstacle."""
 MIN_VECTORS = 6
 MAX_INTERVAL_ERROR_RATIO = 0.01
 _NEXT = np.ones((3, 3), np.uint8)
 _NEIGHBOURS = 8
-Rule = Literal["mad", "otsu", "fixed"]
 _BINS = 128
+"""Of the histogram that the rule otsu splits."""
 
 
 class Detector(Stage):

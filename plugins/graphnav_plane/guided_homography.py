@@ -23,6 +23,7 @@ _REPROJECTION_PX, _DRAWS = 0.1, 200
 _STEPS = (1.5, 1.0, 1.0, 1.0)
 """Flow noise assumed at each step, in units of the actual: the first one narrows from the start's."""
 _RIDGE = 1e-6
+"""Of the fit, for each vector."""
 
 
 class GuidedHomography(Detector):
@@ -119,8 +120,9 @@ class Fit(NamedTuple):
 def small_homographies(rows: int, cols: int) -> Doubles:
     """Return the flows of the eight homographies near the identity, (8, rows * cols, 2).
 
-    To first order they are shifts, linear maps and the two quadratic fields of a plane's motion [HZ]; in
-    units in which the longer side of the picture reaches from -1 to 1.
+    A rotation of the camera or a wrong scale adds them to the planar flow. To first order they are shifts, linear maps
+    and the two quadratic fields of a plane's motion [HZ]; in units in which the longer side of the picture reaches from
+    -1 to 1.
 
     References
     ----------

@@ -15,6 +15,7 @@ from graphnav_score.navigation import Navigation
 _WITH_GOAL = ("success", "timeout", "spl", "sct", "oracle_spl")
 """Metrics of a drive to a goal; ``success`` is another one here."""
 _BEARINGS = 360
+"""Rays from the middle of a corridor that find its centreline: one a degree."""
 
 
 class Laps(Navigation):

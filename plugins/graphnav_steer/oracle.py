@@ -82,7 +82,7 @@ class Oracle(Stage):
 
 
 def once_around(world: Map, state: State) -> Map:
-    """Return the map with a wall across the corridor behind the robot, and a goal behind that wall.
+    """Return a map that has no goal with a wall across the corridor behind the robot, and a goal behind that wall.
 
     The corridor is between what stands; moving obstacles do not end it.
 

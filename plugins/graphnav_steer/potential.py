@@ -17,6 +17,7 @@ from graphnav_steer.principal import Principal, mean_gradient
 from graphnav_steer.unjudged import RIM_DOC, UNJUDGED_DOC, Unjudged, with_unjudged
 
 Strength = Literal["share", "gradient", "unit"]
+Border = Literal["zero", "nearest"]
 STRENGTH_DOC = (
     "strength of r: the obstacle's share of the picture, the length of the mean gradient, or unit: one length whenever "
     "there is an obstacle, as that of v1 in [OI, eq. 8]"
@@ -31,7 +32,6 @@ BACKWARD_DOC = "whether r may point backwards; otherwise r only turns the robot 
 EVERYWHERE_RATIO = 0.9
 """At this share of obstacle and above, there is not enough ground to compare with."""
 TINY = 1e-9
-Border = Literal["zero", "nearest"]
 OBSTACLE_LEVEL = 255.0
 """Weight of an obstacle in the potential [OI, eq. 4]."""
 REACH = 5.0
@@ -115,7 +115,7 @@ class Field(NamedTuple):
 
 
 def obstacle_field(weighted: Doubles, sigma_cells: float, border: Border) -> Field:
-    """Return G_sigma * (255 d) and its gradient [OI, eq. 4 to 6].
+    """Return the obstacle potential, G_sigma * (255 d), and its gradient [OI, eq. 4 to 6].
 
     ``weighted``: (rows, cols), d, or d times a weight. ``border``: the assumption beyond the grid, "zero" (no
     obstacle, as in the integral) or "nearest" (the outermost cell is repeated). The Gaussian is normalised; the
@@ -167,7 +167,7 @@ def _toeplitz(kernel: Doubles, cells: int, border: Border) -> Doubles:
 
 @lru_cache(maxsize=16)
 def cell_weights(rows: int, cols: int, bell_ratio: float | None, near_weight: float) -> Doubles:
-    """Return the weight of every cell, (rows, cols), at most 1.
+    """Return the weight of every cell of the dominant map, (rows, cols), at most 1.
 
     ``bell_ratio``: standard deviation of a bell across the picture, in picture widths; None for none.
     ``near_weight``: weight of the lowest row, from where it grows linearly to 1 at the highest.

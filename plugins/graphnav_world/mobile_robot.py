@@ -147,5 +147,5 @@ class BeaconErrors:
 
 
 def drawn_sign(seed: Sequence[int]) -> float:
-    """Return -1 or 1, each with probability one half."""
+    """Return the sign of a constant error: -1 or 1, each with probability one half."""
     return 1.0 if np.random.default_rng(seed).integers(2) else -1.0

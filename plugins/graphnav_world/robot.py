@@ -170,7 +170,7 @@ class Robot(MobileRobot):
 
 
 class Schedule:
-    """Times at a rate, microseconds from 0 on, each but the first off its nominal time by at most a jitter.
+    """Firing times of a sensor, microseconds from 0 on, each but the first off that of its rate by at most a jitter.
 
     ``jitter_s``: below half a period, so that the order stays; ``seed`` draws it uniformly to both sides.
     """

@@ -1,4 +1,4 @@
-"""Learned models as files: named arrays in numpy's npz, without pickled objects.
+"""Learned models: a network, and its file of named arrays in numpy's npz, without pickled objects.
 
 Arrays: ``mean``, ``scale`` (features,), ``weights_0``, ``biases_0``, ... of the layers, all float32, and ``about``, a
 string of JSON: ``format`` (1), ``features`` (their names), ``rows``, ``cols``, ``step_px`` (the grid), and where the
@@ -24,13 +24,13 @@ from graphnav import ParamError, read_regular
 from graphnav.arrays import Floats
 from graphnav_plane.learning.features import NAMES
 
+Arrays = Mapping[str, npt.NDArray[Any]]
 FORMAT = 1
 MAX_BYTES = 64 * 1024**2
 """Of a model's file."""
 TEACH = "teach one: python tools/teach_learned.py -o FILE"
 _DAMAGED = (ValueError, KeyError, TypeError, AttributeError, EOFError, RuntimeError, SyntaxError, struct.error)
 """Exceptions of numpy, zipfile and json for files that they cannot read."""
-Arrays = Mapping[str, npt.NDArray[Any]]
 _MAX_DEVIATION = 8.0
 """Features further from their mean, in standard deviations, count as this far: what was never taught stays finite."""
 

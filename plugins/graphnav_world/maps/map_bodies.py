@@ -100,7 +100,7 @@ def length_m(points: Doubles) -> float:
 
 
 def cut(points: Doubles, gaps: list[Gap]) -> list[Doubles]:
-    """Return the parts of a line, each (n, 2), that lie outside all gaps, in order; the line is open."""
+    """Return the parts of a wall's line, each (n, 2), that lie outside all its doors, in order; the line is open."""
     begins = [0.0, *(end for _, end in sorted(gaps))]
     ends = [*(begin for begin, _ in sorted(gaps)), length_m(points)]
     begins = list(np.maximum.accumulate(begins))  # gaps may overlap

@@ -71,6 +71,8 @@ class Floor:
 class FloorView:
     """Where the pixels of a camera of one tilt, roll and height show the floor, and on which texels.
 
+    It is relative to the robot, and holds wherever the robot is.
+
     ``inverse_depth``: float32 (rows, cols), 1/m along the optical axis, 0 above the horizon. ``sky``: flat indices of
     pixels above it. ``place_R``: floor points in R, (rows, cols, 2), at most ``reach_m`` away. ``blend``: share of the
     coarser mip level, (rows, cols). ``per_m``: texels, and ``fine_px``, ``coarse_px``: origins in the atlas, of the

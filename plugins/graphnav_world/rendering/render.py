@@ -23,10 +23,12 @@ from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.visibility import Visible, ZBuffer
 
 FLOOR = -1
-BITS = 12
-STEPS = 2**BITS
-_QUANTILES: Floats = np.array([NormalDist().inv_cdf((k + 0.5) / STEPS) for k in range(STEPS)], np.float32)
-NEAREST = np.float32(1e-6)
+NOISE_BITS = 12
+NOISE_STEPS = 2**NOISE_BITS
+"""The values that noise has."""
+_QUANTILES: Floats = np.array([NormalDist().inv_cdf((k + 0.5) / NOISE_STEPS) for k in range(NOISE_STEPS)], np.float32)
+_MIN_DEPTH_RATIO = np.float32(1e-6)
+"""Minimum of a point's former depth over the present one: flow stays finite."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +151,7 @@ def normal_noise(shape: tuple[int, ...], rng: np.random.Generator) -> Floats:
         words = rng.bit_generator.random_raw(size // 4)
     else:  # the same bits, from words of which none is drawn in part
         words = rng.integers(0xFFFFFFFF, size=(size + 1) // 2, dtype=np.uint32, endpoint=True)
-    draws = words.view(np.uint16)[:size] >> (16 - BITS)
+    draws = words.view(np.uint16)[:size] >> (16 - NOISE_BITS)
     return _QUANTILES.take(draws.astype(np.intp)).reshape(shape)
 
 
@@ -173,7 +175,7 @@ class TrueFlow:
             at, inverse = seen.pixel.take(of_body), seen.inverse_depth.take(of_body)
             for axis, moved in enumerate((before.R_WC.T @ moved_W).astype(np.float32)):
                 past[axis].reshape(-1)[at] -= inverse * moved
-        per_depth = self._focal_px / np.maximum(past[2], NEAREST, out=past[2])
+        per_depth = self._focal_px / np.maximum(past[2], _MIN_DEPTH_RATIO, out=past[2])
         for axis, from_center in enumerate((self._from_center_x, self._from_center_y)):
             past[axis] *= per_depth
             np.subtract(from_center, past[axis], out=past[axis])

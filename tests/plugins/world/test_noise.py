@@ -6,7 +6,7 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
-from graphnav_world.rendering.render import STEPS, normal_noise
+from graphnav_world.rendering.render import NOISE_STEPS, normal_noise
 
 
 def test_it_is_normal() -> None:
@@ -20,8 +20,8 @@ def test_it_is_normal() -> None:
 
 @pytest.mark.parametrize("shape", [(12, 16), (9, 9), (9, 10), (11, 3)])
 def test_it_draws_one_quantile_for_each_pixel(shape: tuple[int, int]) -> None:
-    quantiles = np.array([NormalDist().inv_cdf((k + 0.5) / STEPS) for k in range(STEPS)], np.float32)
+    quantiles = np.array([NormalDist().inv_cdf((k + 0.5) / NOISE_STEPS) for k in range(NOISE_STEPS)], np.float32)
     ours, theirs = np.random.default_rng(5), np.random.default_rng(5)
     for _ in range(3):
-        draws = theirs.integers(0, STEPS, size=shape, dtype=np.uint16)
+        draws = theirs.integers(0, NOISE_STEPS, size=shape, dtype=np.uint16)
         assert np.array_equal(normal_noise(shape, ours), quantiles[draws])
