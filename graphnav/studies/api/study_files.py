@@ -9,13 +9,13 @@ from types import MappingProxyType
 
 from graphnav import Graph
 from graphnav.core.catalog import Catalog
+from graphnav.core.machine import write_atomically
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report import (
     PICTURE,
     TABLE,
     decomposition_picture,
     table_markdown,
-    write_atomically,
     write_csv_files,
     write_report,
 )

@@ -11,11 +11,10 @@ from typing import Any
 
 from graphnav import Graph, UserError
 from graphnav.core.graph import Override, beside, find_graph, has_path, resolve_paths, shipped_graphs
-from graphnav.core.machine import read_json
+from graphnav.core.machine import read_json, write_atomically
 from graphnav.core.spec import write_value
 from graphnav.core.stage import params_of
 from graphnav.core.tables import Table, csv_text, plain_table
-from graphnav.studies.ablation.report import write_atomically
 from graphnav.studies.tuning.rivals import Rival, graphs_of
 from graphnav.studies.tuning.tuned_table import table_markdown, trials_text, worlds_text
 from graphnav.studies.tuning.tuning import Tuning, overrides_of

@@ -112,9 +112,8 @@ class StudyFolder(LockedFolder):
 
     def holds(self, place: str) -> bool:
         """Return whether ``place`` has a complete run."""
-        return os.path.isfile(
-            f"{self.path}/{place}/{RunFolder.SUMMARY}"
-        )  # studies have many runs, for which pathlib is slow
+        # Studies have many runs, for which pathlib is slow.
+        return os.path.isfile(f"{self.path}/{place}/{RunFolder.SUMMARY}")
 
     def keep(self, place: str, files: Mapping[str, bytes]) -> None:
         """Put a run's files at ``place``: all of them or, where the process is killed or the disk full, none.

@@ -1,6 +1,5 @@
 """The tables and the report of a study."""
 
-from graphnav.core.machine import write_atomically
 from graphnav.studies.ablation.report.csv_files import METRICS, RESULTS, TIMING, runs_data, write_csv_files
 from graphnav.studies.ablation.report.decomposition import PICTURE, decomposition_picture, sentences
 from graphnav.studies.ablation.report.html import write_report
@@ -33,7 +32,6 @@ __all__ = [
     "runs_data",
     "sentences",
     "table_markdown",
-    "write_atomically",
     "write_csv_files",
     "write_report",
 ]
