@@ -41,6 +41,7 @@ from graphnav.live.live_schedule import LiveSchedule
 
 _WATCH_PERIOD_S = 0.5
 _HANGS_S = 1.0
+"""A step that takes longer is told of."""
 
 
 def run_live(
@@ -236,7 +237,8 @@ def _live_part(status: Status, writer: ThreadedLogWriter, url: str, dropped_pack
 class Watchdog:
     """Reports through ``notice``, once per step, a stage that has been in one step for more than a second.
 
-    A native call that holds Python's interpreter lock blocks it too: then only the motor process acts.
+    It looks from a separate thread. A native call that holds Python's interpreter lock blocks it too: then only the
+    motor process acts.
     """
 
     def __init__(self, schedule: LiveSchedule, notice: Callable[[str], None]) -> None:

@@ -1,4 +1,4 @@
-"""Teaching a planar model live: the motions that were driven, and those that are missing."""
+"""What a run teaches a planar model: the motions that were driven, those that are missing, and its progress."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ SETTLED_RATIO = 0.05
 MIN_SPEED_MPS = 0.02
 """A slower robot stands."""
 MIN_SPAN_MPS = 0.05
+"""Speeds within less of each other count as one."""
 MIN_TURN_RADPS = 0.1
 """A slower turn counts as driving straight on."""
 LINE_S = 10.0
