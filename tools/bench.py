@@ -125,12 +125,12 @@ def main() -> int:
     cv2.setNumThreads(1)
     threadpool_limits(1)
     missed = 0
-    for ratio in ratios():
-        missed += not ratio.is_met
-        mark = "ok  " if ratio.is_met else "MISS"
-        bound = "" if ratio.limit in {0.0, math.inf} else f"at {'least' if ratio.at_least else 'most'} {ratio.limit:g}"
-        value = f"{ratio.value}" if isinstance(ratio.value, Ratio) else f"{ratio.value:.2f}"
-        sys.stdout.write(f"{mark} {ratio.name:62} {value:>20}  {bound:13} {ratio.detail}\n")
+    for one in ratios():
+        missed += not one.is_met
+        mark = "ok  " if one.is_met else "MISS"
+        bound = "" if one.limit in {0.0, math.inf} else f"at {'least' if one.at_least else 'most'} {one.limit:g}"
+        value = f"{one.value}" if isinstance(one.value, Ratio) else f"{one.value:.2f}"
+        sys.stdout.write(f"{mark} {one.name:62} {value:>20}  {bound:13} {one.detail}\n")
         sys.stdout.flush()
     return 1 if missed else 0
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 import statistics
-import subprocess
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import TypeVar
@@ -84,14 +83,3 @@ def timed(act: Callable[[], object], clock: Clock = time.perf_counter, times: in
         return (clock() - begin) / times
 
     return cost
-
-
-def program(command: Sequence[str]) -> Callable[[], float]:
-    """Return a rival that is a program, whose output is dropped; it costs its wall time, s."""
-    return timed(lambda: subprocess.run(command, stdout=subprocess.DEVNULL, check=True))
-
-
-def show(lines: Iterable[str]) -> None:
-    """Print lines at once, since the next measurement takes long."""
-    for line in lines:
-        print(line, flush=True)
