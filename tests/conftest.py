@@ -108,8 +108,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     is_long = {name: any(item.get_closest_marker("long") for item in of) for name, of in modules.items()}
     n_workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     first = [name for name in modules if is_long[name]]
-    rooms = list(dict.fromkeys(map(_room, modules)))
-    others = deque(sorted((name for name in modules if not is_long[name]), key=lambda name: rooms.index(_room(name))))
+    folders = list(dict.fromkeys(map(_folder, modules)))
+    not_long = (name for name in modules if not is_long[name])
+    others = deque(sorted(not_long, key=lambda name: folders.index(_folder(name))))
     ordered: list[pytest.Item] = []
     for worker in range(n_workers):
         for name in first[worker::n_workers]:
@@ -119,7 +120,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = ordered
 
 
-def _room(module: str) -> str:
+def _folder(module: str) -> str:
     """Return the folder of ``tests`` in which a module is, or else the module."""
     return "/".join(module.split("/")[:2])
 

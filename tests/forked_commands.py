@@ -42,15 +42,17 @@ MODULES = (
     "scipy.stats",
     "sklearn.decomposition",
 )
+"""What commands import, which the server does once."""
 GRAPHS = ("corridor_ccw", "navigate")
 """Shipped graphs, whose families are imported."""
 FOLDER = "GRAPHNAV_TESTS_FORKS"
 """The variable of the environment with the folder that all processes of the tests share."""
-LOOK_S = 1.0
+_LOOK_S = 1.0
+"""How often the server looks whether its folder is still there."""
 _STARTS_S = 240.0
 _MAX_BYTES = 1 << 17
-
-PROGRAM = """#!{python} -IS
+"""Of what is asked: words and environment."""
+_PROGRAM = """#!{python} -IS
 import json, os, signal, socket, sys
 if {opt_out!r} in os.environ or "--no-portable" in sys.argv or os.environ.get("PYTHONPATH") != {python_path!r}:
     os.execv({real!r}, [{real!r}, *sys.argv[1:]])
@@ -104,7 +106,7 @@ def main(folder: Path) -> None:
         listener.listen(32)
         _write_program(folder, address)
         while address.exists():
-            if not select.select([listener], [], [], LOOK_S)[0]:
+            if not select.select([listener], [], [], _LOOK_S)[0]:
                 continue
             connection = listener.accept()[0]
             if os.fork() == 0:
@@ -124,7 +126,7 @@ def _load_graphs() -> None:
 def _write_program(folder: Path, address: Path) -> None:
     program = folder / "bin" / "graphnav"
     program.parent.mkdir()
-    text = PROGRAM.format(
+    text = _PROGRAM.format(
         python=sys.executable,
         opt_out=OPT_OUT,
         python_path=os.environ.get("PYTHONPATH"),
