@@ -42,7 +42,7 @@ MODULES = (
     "scipy.stats",
     "sklearn.decomposition",
 )
-"""What commands import, which the server does once."""
+"""Imports of the commands, which the server does once."""
 GRAPHS = ("corridor_ccw", "navigate")
 """Shipped graphs, whose families are imported."""
 FOLDER = "GRAPHNAV_TESTS_FORKS"

@@ -1,4 +1,4 @@
-"""What a run teaches a planar model: the motions that were driven, those that are missing, and its progress."""
+"""Teaching a planar model: the motions that a run drove, those that are missing, and the progress it shows."""
 
 from __future__ import annotations
 
