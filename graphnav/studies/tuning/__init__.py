@@ -1,7 +1,7 @@
 """Tune the parameters of rivals with the same budget: the same number of trials, in the same worlds."""
 
 from graphnav.studies.tuning.rivals import Rival
-from graphnav.studies.tuning.search_range import SearchRange, parse_searches
+from graphnav.studies.tuning.search_range import parse_searches
 from graphnav.studies.tuning.trial import Trial
 from graphnav.studies.tuning.tuned_files import STUDY, TABLE, TRIALS, TUNING, begin_tuning, write_tuning
 from graphnav.studies.tuning.tuned_table import OPTIMISTIC, conclusion, params_text, trouble_texts, tuned_table
@@ -15,7 +15,6 @@ __all__ = [
     "TRIALS",
     "TUNING",
     "Rival",
-    "SearchRange",
     "Trial",
     "Tuning",
     "TuningRequest",

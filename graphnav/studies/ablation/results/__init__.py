@@ -13,7 +13,6 @@ from graphnav.studies.ablation.results.compare_variants import (
 from graphnav.studies.ablation.results.comparison import Comparison, Difference, Estimate, Row, matters
 from graphnav.studies.ablation.results.decomposed import Losses, Swap, losses
 from graphnav.studies.ablation.results.fail_condition import (
-    FailCondition,
     FailedCase,
     check_fail_conditions,
     failed_cases,
@@ -33,9 +32,7 @@ from graphnav.studies.ablation.results.sample_size import sample_size_texts
 from graphnav.studies.ablation.results.statistics import (
     ALPHA,
     EXACT_BELOW,
-    Significance,
     anytime_p,
-    bonett_price,
     difference_interval,
     holm,
     min_worlds,
@@ -61,7 +58,6 @@ __all__ = [
     "Contrast",
     "Difference",
     "Estimate",
-    "FailCondition",
     "FailedCase",
     "Losses",
     "Pair",
@@ -69,12 +65,10 @@ __all__ = [
     "PairedStudies",
     "Record",
     "Row",
-    "Significance",
     "Swap",
     "Values",
     "all_pairs",
     "anytime_p",
-    "bonett_price",
     "check_fail_conditions",
     "compare",
     "contrasts",
