@@ -18,8 +18,8 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode
 from graphnav.core.messages import About, Message, Status, Stop, Twist
 from graphnav.watch.feed import Feed
+from graphnav.watch.spy.live_watch import LiveWatch
 from graphnav.watch.spy.screen import SpyApp
-from graphnav.watch.spy.watch.live_watch import LiveWatch
 
 GROUP = "udpm://239.255.78.9:7709?ttl=0"
 _MAGIC = 0x4C433032

@@ -26,8 +26,8 @@ from graphnav.core.notices import print_notice
 from graphnav.core.record import LogWriter
 from graphnav.core.tap import Tap
 from graphnav.watch.feed import Feed
+from graphnav.watch.spy.live_watch import LiveWatch
 from graphnav.watch.spy.screen import SpyApp
-from graphnav.watch.spy.watch.live_watch import LiveWatch
 
 HOSTILE = [
     "\x1b]0;title\x07",

@@ -14,7 +14,7 @@ from graphnav.core.bus import Bus
 from graphnav.core.errors import UserError
 from graphnav.watch.feed import Feed, LiveFeed, Received, Watch, drops_of
 from graphnav.watch.spy import as_json
-from graphnav.watch.spy.watch.live_watch import LiveWatch
+from graphnav.watch.spy.live_watch import LiveWatch
 
 DROPPED = b"LC02\0\0\0\1"
 """A packet that the bus has the kernel drop: LCM would crash on it."""

@@ -19,8 +19,8 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode
 from graphnav.core.messages import Flow, Image, Map, Message, Plane, State, Status, Steering
 from graphnav.watch.feed import MAX_CHANNELS, Feed, Received, Watch
+from graphnav.watch.spy.live_watch import LiveWatch
 from graphnav.watch.spy.screen import SpyApp
-from graphnav.watch.spy.watch.live_watch import LiveWatch
 
 from .spy_app import until
 

@@ -20,7 +20,7 @@ from graphnav.replay import completed_log
 from graphnav.watch.commands.listening import complete
 from graphnav.watch.feed import Feed
 from graphnav.watch.view import PageFeed
-from graphnav.watch.view.content.page_state import state_of
+from graphnav.watch.view.content.state import state_of
 
 BEFORE = "run/run.lcmlog does not hold its large messages: an earlier replay kept them in the cache\n"
 MADE = "run/run.lcmlog does not hold its large messages: a replay recomputed them in "

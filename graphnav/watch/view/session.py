@@ -14,7 +14,7 @@ from graphnav.watch.feed import WatchedChannel
 from graphnav.watch.fields.plain_values import plain
 from graphnav.watch.view.content.announced_graph import announced_graph, layout_of
 from graphnav.watch.view.content.details import Moment, details_of, moment_of, picture_of
-from graphnav.watch.view.content.page_state import floor_map, newest_map, state_of
+from graphnav.watch.view.content.state import floor_map, newest_map, state_of
 from graphnav.watch.view.page_feed import PageFeed, PageState
 from graphnav.watch.view.robot_track import RobotTrack
 from graphnav.watch.view.web.page_requests import View

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
+from graphnav.watch.spy.row import Row
 from graphnav.watch.spy.screen.columns import GAP, age_text, fitted, layout
-from graphnav.watch.spy.watch.row import Row
 
 ROW = Row(
     "robot.image", "graphnav_lcm.image_t", 12, 10.0, 0.1, 0.1, 0.1, 0.0, 1e6, 19248, None, 3, 0, 0.04, False, (9,)

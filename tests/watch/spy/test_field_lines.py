@@ -8,7 +8,7 @@ import numpy as np
 
 from graphnav.watch.feed import KEPT_MESSAGES, Received
 from graphnav.watch.spy.screen.field_tree import field_lines
-from graphnav.watch.spy.watch.series import Series, numbers_of, path_text
+from graphnav.watch.spy.series import Series, numbers_of, path_text
 
 VALUES: dict[str, Any] = {
     "utime": 5,

@@ -11,7 +11,7 @@ import pytest
 from graphnav.core.record import LogWriter
 from graphnav.watch.feed import Feed, LogFeed
 from graphnav.watch.view import PageFeed
-from graphnav.watch.view.content.page_state import newest_map
+from graphnav.watch.view.content.state import newest_map
 
 from .drive import messages
 

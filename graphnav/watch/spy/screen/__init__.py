@@ -1,10 +1,10 @@
 """The full-screen ``graphnav spy``: a table of channels, and a view of one channel: fields, plots, picture."""
 
 from graphnav.watch.feed import Feed
+from graphnav.watch.spy.live_watch import LiveWatch
+from graphnav.watch.spy.log_watch import LogWatch
 from graphnav.watch.spy.screen.app import SpyApp, run_app
 from graphnav.watch.spy.screen.painters.choose_painter import painters
-from graphnav.watch.spy.watch.live_watch import LiveWatch
-from graphnav.watch.spy.watch.log_watch import LogWatch
 
 __all__ = ["SpyApp", "painters", "run_app", "watch_of"]
 

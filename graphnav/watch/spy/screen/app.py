@@ -20,6 +20,8 @@ from textual.filter import LineFilter
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import printable
 from graphnav.core.interrupts import plain_ctrl_c
+from graphnav.watch.spy.live_watch import LiveWatch
+from graphnav.watch.spy.log_watch import LogWatch
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
 from graphnav.watch.spy.screen.channels_screen import ChannelsScreen
 from graphnav.watch.spy.screen.keys_screen import KeysScreen
@@ -28,8 +30,6 @@ from graphnav.watch.spy.screen.painters.painter import Painter
 from graphnav.watch.spy.screen.picture_view import PictureView
 from graphnav.watch.spy.screen.screen_image import screen_image
 from graphnav.watch.spy.screen.session import Session
-from graphnav.watch.spy.watch.live_watch import LiveWatch
-from graphnav.watch.spy.watch.log_watch import LogWatch
 
 _TICK_S = 0.1
 _LIVE_ONLY = {"freeze", "record"}

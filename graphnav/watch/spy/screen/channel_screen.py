@@ -23,9 +23,9 @@ from graphnav.watch.spy.screen.picture_view import PictureView
 from graphnav.watch.spy.screen.plot_view import MAX_CURVES, PlotView
 from graphnav.watch.spy.screen.reason_line import ReasonLine
 from graphnav.watch.spy.screen.session import Session
+from graphnav.watch.spy.series import Path, Series, measures_of, path_text
+from graphnav.watch.spy.silence_reasons import losses
 from graphnav.watch.spy.traffic_report import size_of
-from graphnav.watch.spy.watch.series import Path, Series, measures_of, path_text
-from graphnav.watch.spy.watch.silence_reasons import losses
 
 _PICTURE_S = 0.2
 _TEXT_EVERY = 2

@@ -12,13 +12,13 @@ from textual.binding import Binding, BindingType
 from textual.screen import Screen
 from textual.widgets import Footer, Input, Static
 
+from graphnav.watch.spy.row import Row
 from graphnav.watch.spy.screen.channel_screen import ChannelScreen
 from graphnav.watch.spy.screen.columns import GAP, NAME, Column, fitted, layout
 from graphnav.watch.spy.screen.keys_screen import is_shown
 from graphnav.watch.spy.screen.line_list import HEADING, PLAIN, QUIET, WARNING, Line, Lines
 from graphnav.watch.spy.screen.reason_line import ReasonLine
 from graphnav.watch.spy.screen.session import Session
-from graphnav.watch.spy.watch.row import Row
 
 _WARNED = {"drops", "undec."}
 _TABLE_S = 0.5

@@ -9,8 +9,8 @@ from typing import Any
 from rich.cells import cell_len, set_cell_size
 
 from graphnav.core.errors import shown_name
+from graphnav.watch.spy.row import Row
 from graphnav.watch.spy.traffic_report import size_of
-from graphnav.watch.spy.watch.row import Row
 
 _BARS = "▁▂▃▄▅▆▇█"
 GAP = 1

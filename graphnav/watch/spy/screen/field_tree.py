@@ -13,7 +13,7 @@ from graphnav.core.errors import shown_name
 from graphnav.core.field_summary import value_text
 from graphnav.watch.spy.screen.columns import fitted
 from graphnav.watch.spy.screen.line_list import HEADING, PLAIN, QUIET, Line, Lines
-from graphnav.watch.spy.watch.series import Path
+from graphnav.watch.spy.series import Path
 
 _MAX_CHILDREN = 64
 _MAX_LINES = 4000

@@ -9,10 +9,10 @@ from rich.text import Text
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.pictures import Pictures
+from graphnav.watch.spy.live_watch import LiveWatch
+from graphnav.watch.spy.log_watch import LogWatch
+from graphnav.watch.spy.moment import Moment
 from graphnav.watch.spy.screen.painters.painter import Painter
-from graphnav.watch.spy.watch.live_watch import LiveWatch
-from graphnav.watch.spy.watch.log_watch import LogWatch
-from graphnav.watch.spy.watch.moment import Moment
 
 
 class Session:

@@ -10,8 +10,8 @@ from graphnav.core.bus import Bus
 from graphnav.core.errors import shown_name
 from graphnav.core.record import ThreadedLogWriter
 from graphnav.watch.feed import Feed, LiveFeed, Received, Watch, WatchedChannel
-from graphnav.watch.spy.watch.row import Row, row_of
-from graphnav.watch.spy.watch.silence_reasons import nothing_received, why_empty
+from graphnav.watch.spy.row import Row, row_of
+from graphnav.watch.spy.silence_reasons import nothing_received, why_empty
 
 _MAX_NAMED = 3
 

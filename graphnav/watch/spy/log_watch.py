@@ -10,8 +10,8 @@ from pathlib import Path
 
 from graphnav.core.record import LogCursor
 from graphnav.watch.feed import KEPT_MESSAGES, Feed, Received, Watch, WatchedChannel
-from graphnav.watch.spy.watch.row import Row, row_of
-from graphnav.watch.spy.watch.silence_reasons import why_empty
+from graphnav.watch.spy.row import Row, row_of
+from graphnav.watch.spy.silence_reasons import why_empty
 
 _MAX_RECENT_BYTES = 4_000_000
 

@@ -1,1 +1,0 @@
-"""Watch a feed or a log: channels, newest messages, series of numbers."""
