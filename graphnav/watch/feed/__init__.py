@@ -4,7 +4,7 @@ from graphnav.watch.feed.announcements import MAX_RUNS, RUN_SILENT_S, Announceme
 from graphnav.watch.feed.channel import KEPT_MESSAGES, WatchedChannel
 from graphnav.watch.feed.feed import Feed, Received, drops_of
 from graphnav.watch.feed.health import GuardHealth, Health, RunHealth
-from graphnav.watch.feed.live_feed import LiveFeed
+from graphnav.watch.feed.live_feed import LiveFeed, StoppableThread
 from graphnav.watch.feed.log_feed import LogFeed, Past
 from graphnav.watch.feed.watch import MAX_CHANNELS, Watch
 
@@ -22,6 +22,7 @@ __all__ = [
     "Past",
     "Received",
     "RunHealth",
+    "StoppableThread",
     "Watch",
     "WatchedChannel",
     "drops_of",

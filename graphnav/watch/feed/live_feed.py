@@ -1,4 +1,4 @@
-"""A thread that receives a multicast group until it is stopped."""
+"""A thread that is stopped by its owner, and one that receives a multicast group until then."""
 
 from __future__ import annotations
 
@@ -12,6 +12,20 @@ from graphnav.watch.feed.feed import Feed, Received
 _POLL_S = 0.05
 _MAX_LEFT = 50_000
 """Messages that are handed over after the end, if that many had arrived before."""
+
+
+class StoppableThread(threading.Thread):
+    """A thread that runs ``work``, which returns soon after ``stopping`` is set."""
+
+    def __init__(self, work: Callable[[], None], name: str) -> None:
+        super().__init__(target=work, name=name, daemon=True)
+        self.stopping = threading.Event()
+
+    def stop(self) -> None:
+        """Stop, and wait until the work has returned."""
+        self.stopping.set()
+        if self.is_alive():
+            self.join()
 
 
 class LiveFeed:
@@ -31,8 +45,7 @@ class LiveFeed:
         self.name, self.failure = feed.name, ""
         self.lock = threading.Lock()
         self._feed, self._take, self._wake = feed, take, wake
-        self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._listen, name=name, daemon=True)
+        self._thread = StoppableThread(self._listen, name)
 
     def open(self) -> None:
         """Join the group now, not in the thread; raises BusError if LCM cannot be opened."""
@@ -44,9 +57,7 @@ class LiveFeed:
 
     def close(self) -> None:
         """Stop after all messages that had arrived were handed over; leave the group."""
-        self._closing.set()
-        if self._thread.is_alive():
-            self._thread.join()
+        self._thread.stop()
         self._feed.close()
 
     def dropped_packets(self) -> int:
@@ -59,7 +70,7 @@ class LiveFeed:
         except (GraphnavError, OSError) as error:
             self._fail(str(error))
             return
-        while not self._closing.is_set():
+        while not self._thread.stopping.is_set():
             self._handle(_POLL_S)
         for _ in range(_MAX_LEFT):
             if not self._handle(0.0):
@@ -71,7 +82,7 @@ class LiveFeed:
             has_arrived = self._feed.handle(timeout_s)
         except (BusError, OSError, RuntimeError) as error:
             self._fail(str(error))
-            self._closing.wait(_POLL_S)
+            self._thread.stopping.wait(_POLL_S)
             return False
         self._fail("")
         return has_arrived

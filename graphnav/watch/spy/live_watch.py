@@ -6,7 +6,6 @@ import time
 from pathlib import Path
 
 from graphnav import About
-from graphnav.core.bus import Bus
 from graphnav.core.errors import shown_name
 from graphnav.core.record import ThreadedLogWriter
 from graphnav.watch.feed import Feed, LiveFeed, Received, Watch, WatchedChannel
@@ -26,6 +25,7 @@ class LiveWatch:
 
     def __init__(self, feed: Feed) -> None:
         self.name = feed.name
+        self._check = feed.check
         self._watch = Watch(feed.clock)
         self._feed = LiveFeed(feed, self._take, name="graphnav-spy")
         self._begin_s = time.monotonic()
@@ -49,7 +49,7 @@ class LiveWatch:
 
     def start(self) -> None:
         """Start receiving; raises BusError if there is no multicast route."""
-        Bus.require_route(Bus.with_defaults(self.name))
+        self._check()
         self._feed.start()
 
     def close(self) -> None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from graphnav.core.record import LogCursor
-from graphnav.watch.feed import KEPT_MESSAGES, Feed, Received, Watch, WatchedChannel
+from graphnav.watch.feed import KEPT_MESSAGES, Feed, Received, StoppableThread, Watch, WatchedChannel
 from graphnav.watch.spy.row import Row, row_of
 from graphnav.watch.spy.silence_reasons import why_empty
 
@@ -33,13 +33,12 @@ class LogWatch:
         self._recording = feed.open_log()
         self._watch = Watch()
         self._lock = threading.Lock()
-        self._closing = threading.Event()
         self._n_read = 0
         self._read_s = self.begin_s
         self._cursor = LogCursor(self._recording)
         self._cursor.pause()
         self._seek(self._cursor.end_us)
-        self._thread = threading.Thread(target=self._read, name="graphnav spy log", daemon=True)
+        self._thread = StoppableThread(self._read, "graphnav spy log")
 
     def start(self) -> None:
         """Start reading."""
@@ -47,9 +46,7 @@ class LogWatch:
 
     def close(self) -> None:
         """Stop reading and close the file."""
-        self._closing.set()
-        if self._thread.is_alive():
-            self._thread.join()
+        self._thread.stop()
         self._recording.close()
 
     @property
@@ -159,7 +156,7 @@ class LogWatch:
 
     def _read(self) -> None:
         for event in self._recording.events():
-            if self._closing.is_set():
+            if self._thread.stopping.is_set():
                 return
             with self._lock:
                 self._read_s = event.utime / 1e6
