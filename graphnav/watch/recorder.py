@@ -9,12 +9,12 @@ from urllib.parse import parse_qs, urlsplit
 
 from graphnav import About
 from graphnav.core.errors import LogError
+from graphnav.core.machine import ReceiveBuffer
 from graphnav.core.record import AboutFirst, ChannelCounts, ChannelFilter, Kind, LogFiles, ThreadedLogWriter, kind_of
 from graphnav.watch.feed import Feed, LiveFeed, Received
 
 _MAX_CHANNELS = 10_000
 """Further channels are counted together, to bound memory when a program sends random names."""
-_RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
 
 
 class RecordedChannel(ChannelCounts):
@@ -77,8 +77,8 @@ class Recorder:
     always recorded. ``open_files`` opens the log, which gets ``definitions`` of types. ``notice`` is called from
     another thread if the disk fails; ``failure`` then holds the reason.
 
-    Raises BusError if LCM cannot be opened, OSError if the log cannot, LogError if the
-    disk has less than its quota from the beginning.
+    Raises BusError if LCM cannot be opened, OSError if the log cannot, LogError if the disk has less than its quota
+    from the beginning.
     """
 
     def __init__(
@@ -91,6 +91,11 @@ class Recorder:
         definitions: str = "",
     ) -> None:
         self.statistics = ReceiveStatistics()
+        self.unnamed = 0
+        """Messages with an empty channel name, which cannot be logged."""
+        self.dropped_packets = 0
+        """Packets dropped by the kernel."""
+        self._is_closed = False
         self._takes = channels.takes
         self._feed = LiveFeed(Feed(url), self._take, name="graphnav-listener")
         self._feed.open()
@@ -102,11 +107,6 @@ class Recorder:
         self._log = ThreadedLogWriter(
             path, notice=notice, open_log=lambda _: AboutFirst(self.files, definitions=definitions)
         )
-        self.unnamed = 0
-        """Messages with an empty channel name, which cannot be logged."""
-        self._is_closed = False
-        self.dropped_packets = 0
-        """Packets dropped by the kernel."""
 
     @property
     def failure(self) -> str:
@@ -154,10 +154,10 @@ def buffer_notice(url: str) -> str:
     """Return a warning if the kernel grants less than the URL requests, else an empty string."""
     wanted = parse_qs(urlsplit(url).query).get("recv_buf_size", ["0"])[-1]
     try:
-        wanted_bytes, granted_bytes = int(wanted), int(_RMEM_MAX.read_text())
-    except (OSError, ValueError):
+        wanted_bytes = int(wanted)
+    except ValueError:
         return ""
-    if granted_bytes >= wanted_bytes:
+    if (granted_bytes := ReceiveBuffer.limit()) >= wanted_bytes:
         return ""
     return (
         f"the kernel grants {granted_bytes} bytes of receive buffer, {wanted_bytes} are requested: large messages will "

@@ -12,7 +12,7 @@ from graphnav import GraphnavError, Recording
 from graphnav.core.bus import Bus
 from graphnav.core.errors import shown_name
 from graphnav.core.lcm_url import tap_url
-from graphnav.core.record import find_log
+from graphnav.core.record import Clock, find_log
 
 _PATIENCE_S = 0.1
 _AT_ONCE = 1000
@@ -40,14 +40,14 @@ class Feed:
         self.is_live = self.name.startswith("udpm:")
         self.truncated = ""
         self.recording: Recording | None = None
-        """The log as its user opened it, None to open what stands in the file; it is closed when it was read."""
+        """The log if its user has opened it, else None; `open_log` hands it over."""
         self._bus: Bus | None = None
         self._dropped_packets = 0
         if not self.is_live:
             self.path = find_log(Path(self.name), "name a run folder, a log or a udpm:// URL")
 
     @property
-    def clock(self) -> Callable[[], float] | None:
+    def clock(self) -> Clock | None:
         """The arrival clock; None for a log."""
         return time.monotonic if self.is_live else None
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from graphnav import About, GuardState, Status
 from graphnav.core.codec import DecodeError, decode, fingerprint
-from graphnav.core.record import silent_after_s
+from graphnav.core.record import Clock, silent_after_s
 from graphnav.watch.feed.announcements import MAX_RUNS, RUN_SILENT_S
 from graphnav.watch.feed.feed import Received
 
@@ -48,7 +47,7 @@ class Health:
     ``clock`` returns the current time, seconds, on the arrival clock; without a clock, as for a log, none is silent.
     """
 
-    def __init__(self, clock: Callable[[], float] | None = None) -> None:
+    def __init__(self, clock: Clock | None = None) -> None:
         self.runs: dict[str, RunHealth] = {}
         self.guards: dict[str, GuardHealth] = {}
         self.has_forgotten = False

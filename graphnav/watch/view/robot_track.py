@@ -6,7 +6,7 @@ import math
 
 import graphnav_lcm
 
-from graphnav.core.codec import DecodeError, codec_of
+from graphnav.core.codec import DecodeError
 from graphnav.core.record import Kind
 from graphnav.watch.feed import Received
 
@@ -47,7 +47,7 @@ class RobotTrack:
         if not rank:
             return
         try:
-            fields = codec_of(kind.lcm_class).decode(received.data)
+            fields = kind.codec.decode(received.data)
         except DecodeError:
             return
         pose = (fields["x_m"], fields["y_m"], fields["yaw_rad"])

@@ -9,8 +9,9 @@ import pytest
 
 from graphnav import GuardState, Message, State, Stop
 from graphnav.core.record import LogWriter, Recording
+from graphnav.core.run_folder import RunFolder
 from graphnav.watch.export.entries.entries import Level
-from graphnav.watch.export.entries.event_lines import SUMMARY, Lines, outcome_lines
+from graphnav.watch.export.entries.event_lines import Lines, outcome_lines
 
 
 def state(*, contact: bool = False, at_goal: bool = False) -> State:
@@ -75,6 +76,6 @@ def test_every_stop_is_told() -> None:
 def test_the_outcome_is_that_of_the_run_folder(tmp_path: Path, summary: str | None, texts: list[str]) -> None:
     LogWriter(tmp_path / "run.lcmlog").close()
     if summary is not None:
-        (tmp_path / SUMMARY).write_text(summary)
+        (tmp_path / RunFolder.SUMMARY).write_text(summary)
     with Recording(tmp_path / "run.lcmlog") as recording:
         assert [line.text for line in outcome_lines(recording, 0, 1)] == texts

@@ -8,12 +8,9 @@ from typing import Any
 
 from graphnav import About, GuardState, Message, Recording, State, Stop, UserError
 from graphnav.core.machine import read_json
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.spec import parse_yaml
 from graphnav.watch.export.entries.entries import Level, Line
-
-SUMMARY = "summary.json"
-"""The file name of a run's summary, next to the log."""
-
 
 LINE_TYPES: tuple[type[Message], ...] = (State, Stop, GuardState)
 """The messages that may cause a line."""
@@ -68,12 +65,12 @@ def outcome_lines(recording: Recording, begin_us: int, end_us: int) -> Iterator[
     summary = _summary_beside(recording.path)
     notices = summary.get("notices")
     for notice in notices if isinstance(notices, list) else ():
-        yield Line(begin_us, Level.INFO, str(notice), SUMMARY)
+        yield Line(begin_us, Level.INFO, str(notice), RunFolder.SUMMARY)
     if failure := summary.get("failure"):
-        yield Line(end_us, Level.ERROR, str(failure), SUMMARY)
+        yield Line(end_us, Level.ERROR, str(failure), RunFolder.SUMMARY)
     if outcome := summary.get("outcome"):
         level = Level.ERROR if outcome in ("failed", "contact") else Level.INFO
-        yield Line(end_us, level, f"outcome: {outcome}", SUMMARY)
+        yield Line(end_us, level, f"outcome: {outcome}", RunFolder.SUMMARY)
 
 
 def _guard_text(state: GuardState) -> str:
@@ -90,7 +87,7 @@ def _guard_text(state: GuardState) -> str:
 
 def _summary_beside(log: Path) -> dict[str, Any]:
     try:
-        found = read_json(log.with_name(SUMMARY))
+        found = read_json(log.with_name(RunFolder.SUMMARY))
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}

@@ -11,7 +11,7 @@ import numpy as np
 
 from graphnav import Message, PictureContext
 from graphnav.arrays import Bytes, Doubles
-from graphnav.core.codec import DecodeError, codec_of, decode, message_class_of
+from graphnav.core.codec import DecodeError, decode, message_class_of
 from graphnav.core.field_summary import summarised
 from graphnav.core.pictures import Pictures
 from graphnav.core.record import Kind
@@ -121,7 +121,7 @@ def picture_of(moment: Moment, pictures: Pictures) -> bytes | None:
 
 def _fields(kind: Kind, received: Received) -> dict[str, Any] | None:
     try:
-        return codec_of(kind.lcm_class).decode(received.data)
+        return kind.codec.decode(received.data)
     except DecodeError:
         return None
 
