@@ -6,7 +6,7 @@ import csv
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from graphnav import GraphnavError
 from graphnav.core.codec import lcm_name
@@ -29,16 +29,6 @@ class EchoedMessage(NamedTuple):
     values: Mapping[str, Any] | None
 
 
-class Printer(Protocol):
-    """Prints messages."""
-
-    def show(self, message: EchoedMessage) -> bool:
-        """Print a message; return whether anything was printed."""
-
-    def close(self) -> None:
-        """Report messages that were not printed."""
-
-
 class Lines:
     """Text: one line per message and one per field."""
 
@@ -46,7 +36,7 @@ class Lines:
         self._selection, self._full = selection, full
 
     def show(self, message: EchoedMessage) -> bool:
-        """Print a message."""
+        """Print a message; return whether anything was printed."""
         size = size_of(len(message.received.data))
         head = f"{shown_name(message.received.channel)}  {shown_name(message.type_name or 'unknown type')}, {size}"
         print("\n".join([head, *self._contents(message)]), flush=True)
@@ -73,7 +63,7 @@ class JsonLines:
         self._selection, self._epoch_s, self._full = selection, epoch_s, full
 
     def show(self, message: EchoedMessage) -> bool:
-        """Print a message."""
+        """Print a message; return whether anything was printed."""
         fields = None
         if message.values is not None and message.lcm_class is not None:
             fields = self._selection.of(message.lcm_class, message.values)
@@ -104,7 +94,7 @@ class CsvRows:
         self._skipped_type: type | None = None
 
     def show(self, message: EchoedMessage) -> bool:
-        """Print a row, unless the message cannot be decoded or has another type than the first."""
+        """Print a row and return True, unless the message cannot be decoded or has another type than the first."""
         if message.values is not None and self._lcm_class is None and message.lcm_class is not None:
             self._begin(message.lcm_class)
         if message.values is None or message.lcm_class is not self._lcm_class:

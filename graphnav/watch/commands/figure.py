@@ -15,7 +15,7 @@ from graphnav.core.parameters import Parameter, command, flag, many
 from graphnav.watch.commands.options import FROM_S, TO_S
 from graphnav.watch.commands.quantities import log_time, period
 
-PICTURE_FORMATS = ("png", "svg", "pdf")
+_PICTURE_FORMATS = ("png", "svg", "pdf")
 
 
 @command(
@@ -42,8 +42,8 @@ PICTURE_FORMATS = ("png", "svg", "pdf")
     Parameter(
         "format",
         "--format",
-        choices=PICTURE_FORMATS,
-        default=PICTURE_FORMATS[0],
+        choices=_PICTURE_FORMATS,
+        default=_PICTURE_FORMATS[0],
         help="of the pictures (default: %(default)s)",
     ),
     Shared.TRUST,

@@ -12,7 +12,7 @@ from graphnav.core.parameters import MAX_S
 if TYPE_CHECKING:
     from graphnav.core.record import Split
 
-MAX_BYTES = 1e18
+_MAX_BYTES = 1e18
 _MAX_PORT_DIGITS = 5
 _PREFIXES = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
 _SIZE = re.compile(r"([0-9.]+) *([kmgt]?)(i?)b", re.IGNORECASE)
@@ -27,8 +27,8 @@ def size(text: str) -> int:
     if found is None or number is None:
         raise argparse.ArgumentTypeError(f"'{text}' is not a size: write 100MB or 2GiB")
     n_bytes = number * (1024 if found[3] else 1000) ** _PREFIXES[found[2].lower()]
-    if not 1 <= n_bytes <= MAX_BYTES:
-        raise argparse.ArgumentTypeError(f"'{text}' is less than a byte, or more than {MAX_BYTES:g} bytes")
+    if not 1 <= n_bytes <= _MAX_BYTES:
+        raise argparse.ArgumentTypeError(f"'{text}' is less than a byte, or more than {_MAX_BYTES:g} bytes")
     return int(n_bytes)
 
 

@@ -26,13 +26,11 @@ _PLOTS: tuple[tuple[str, type[Message], tuple[str, ...]], ...] = (
     ("obstacle ratio", Plane, ("obstacle_ratio",)),
     ("clearance", State, ("clearance_m",)),
 )
-APPLICATION = "graphnav"
-TIMELINE = "time"
-LOG_ENTITY = "log"
+_APPLICATION, _TIMELINE = "graphnav", "time"
+_SCENE, _MAP, _ROBOT, _PATH, _LOG_ENTITY = "scene", "scene/map", "scene/robot", "scene/path", "log"
 _LEVELS = {Level.INFO: "INFO", Level.WARNING: "WARN", Level.ERROR: "ERROR"}
 _STAMPS = {"utime", "seq"}
 _BATCH = 4096
-SCENE, MAP, ROBOT, PATH = "scene", "scene/map", "scene/robot", "scene/path"
 
 
 def blueprint_of(reader: Reader) -> Any:
@@ -45,8 +43,8 @@ def blueprint_of(reader: Reader) -> Any:
     above = [rrb.Spatial2DView(origin=_entity(name, PICTURE), name=name) for name in pictured]
     below = []
     if any(kind in of_kind for kind in (Map, *POSES)):
-        contents = [f"/{MAP}/**", f"/{ROBOT}/**", f"/{PATH}/**"]
-        below.append(rrb.Spatial3DView(origin="/scene", contents=contents, name="map"))
+        contents = [f"/{_MAP}/**", f"/{_ROBOT}/**", f"/{_PATH}/**"]
+        below.append(rrb.Spatial3DView(origin=f"/{_SCENE}", contents=contents, name="map"))
     plots = [
         rrb.TimeSeriesView(
             origin="/", contents=[_entity(n, leaf) for n in of_kind[kind] for leaf in leaves], name=title
@@ -56,7 +54,7 @@ def blueprint_of(reader: Reader) -> Any:
     ]
     if plots:
         below.append(rrb.Vertical(*plots, name="plots"))
-    log = rrb.TextLogView(origin=f"/{LOG_ENTITY}", name="log")
+    log = rrb.TextLogView(origin=f"/{_LOG_ENTITY}", name="log")
     rows = [rrb.Horizontal(*views) for views in (above, below) if views]
     return rrb.Blueprint(rrb.Vertical(*rows, log, row_shares=[2, 3, 1][-len(rows) - 1 :]), collapse_panels=True)
 
@@ -76,7 +74,7 @@ class RerunFile:
     def __init__(self, file: FilePath, begin_us: int, blueprint: Any) -> None:
         self._rr = require("rerun")
         self._begin_us = begin_us
-        self._stream = self._rr.RecordingStream(APPLICATION, recording_id=uuid4(), send_properties=False)
+        self._stream = self._rr.RecordingStream(_APPLICATION, recording_id=uuid4(), send_properties=False)
         self._file = PipedFile(file)
         try:
             self._stream.save(self._file.path, default_blueprint=blueprint)
@@ -92,20 +90,20 @@ class RerunFile:
         if isinstance(entry, Scalars):
             self._add_scalars(entry, at_s)
             return
-        self._stream.set_time(TIMELINE, duration=at_s)
+        self._stream.set_time(_TIMELINE, duration=at_s)
         if isinstance(entry, Picture):
             image = self._rr.EncodedImage(contents=entry.png(), media_type="image/png")
             self._stream.log([*parts_of(entry.channel), PICTURE], image)
         elif isinstance(entry, Line):
             text = f"{entry.source}: {entry.text}"
-            self._stream.log(LOG_ENTITY, self._rr.TextLog(text, level=_LEVELS[entry.level]))
+            self._stream.log(_LOG_ENTITY, self._rr.TextLog(text, level=_LEVELS[entry.level]))
         else:
             self._scene.add(entry)
 
     def close(self) -> None:
         """Write buffered data."""
         for columns in self._columns.values():
-            columns.send(self._rr, self._stream, TIMELINE)
+            columns.send(self._rr, self._stream)
         self._stream.disconnect()
         self._file.close()
 
@@ -114,7 +112,7 @@ class RerunFile:
             self._columns[entry.channel] = RerunColumns(entry.channel, entry.lcm_class)
         columns = self._columns[entry.channel]
         if columns.add(entry, at_s):
-            columns.send(self._rr, self._stream, TIMELINE)
+            columns.send(self._rr, self._stream)
 
 
 class RerunColumns:
@@ -138,9 +136,9 @@ class RerunColumns:
             values.append(value if math.isfinite(value) else math.nan)
         return len(self._times_s) >= _BATCH
 
-    def send(self, rr: Any, stream: Any, timeline: str) -> None:
+    def send(self, rr: Any, stream: Any) -> None:
         """Send the batch."""
-        index = rr.TimeColumn(timeline, duration=self._times_s)
+        index = rr.TimeColumn(_TIMELINE, duration=self._times_s)
         for leaf, values in zip(self._leaves, self._values, strict=True):
             entity = rr.new_entity_path([*self._parts, leaf.name])
             stream.send_columns(entity, indexes=[index], columns=rr.Scalars.columns(scalars=values))
@@ -167,20 +165,20 @@ class RerunScene:
         elif isinstance(entry, Pose):
             self._add_pose(entry)
         else:
-            self._stream.log(PATH, self._lines(path_of(entry)))
+            self._stream.log(_PATH, self._lines(path_of(entry)))
 
     def _add_world(self, entry: World) -> None:
-        self._stream.log(SCENE, self._rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+        self._stream.log(_SCENE, self._rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         for index, body in enumerate(bodies_of(entry.scene)):
             entity = f"body_{index}" if body.moving is None else f"moving_{body.moving}/body"
-            self._stream.log(f"{MAP}/{entity}/sides", self._mesh(body), static=True)
-            self._stream.log(f"{MAP}/{entity}/rims", self._lines(body), static=True)
+            self._stream.log(f"{_MAP}/{entity}/sides", self._mesh(body), static=True)
+            self._stream.log(f"{_MAP}/{entity}/rims", self._lines(body), static=True)
         if (goal := goal_of(entry.scene)) is not None:
-            self._stream.log(f"{MAP}/goal", self._lines(goal), static=True)
+            self._stream.log(f"{_MAP}/goal", self._lines(goal), static=True)
 
     def _add_robot(self, entry: Robot) -> None:
         for name, solid in zip(("outline", "seen"), robot_of(entry), strict=False):
-            self._stream.log(f"{ROBOT}/{name}", self._lines(solid), static=True)
+            self._stream.log(f"{_ROBOT}/{name}", self._lines(solid), static=True)
 
     def _lines(self, solid: Solid) -> Any:
         return self._rr.LineStrips3D(solid.lines, colors=[_bytes(solid.colour)] * len(solid.lines))
@@ -192,10 +190,10 @@ class RerunScene:
         return self._rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_colors=colours)
 
     def _add_pose(self, entry: Pose) -> None:
-        self._stream.log(ROBOT, self._transform(entry.x_m, entry.y_m, entry.yaw_rad))
+        self._stream.log(_ROBOT, self._transform(entry.x_m, entry.y_m, entry.yaw_rad))
         for index, (x_m, y_m, yaw_rad) in enumerate(entry.moving.reshape(-1, 3).tolist()):
             if math.isfinite(x_m + y_m + yaw_rad):
-                self._stream.log(f"{MAP}/moving_{index}", self._transform(x_m, y_m, yaw_rad))
+                self._stream.log(f"{_MAP}/moving_{index}", self._transform(x_m, y_m, yaw_rad))
 
     def _transform(self, x_m: float, y_m: float, yaw_rad: float) -> Any:
         rotation = self._rr.RotationAxisAngle(axis=(0.0, 0.0, 1.0), radians=yaw_rad)

@@ -16,7 +16,7 @@ Step = str | tuple[int, ...]
 
 Scalar = int | float | bool | str
 
-MAX_ELEMENTS = 36
+_MAX_ELEMENTS = 36
 """Arrays of a fixed size up to this, such as forces, are written as one column per element."""
 
 
@@ -47,7 +47,7 @@ def leaves_of(lcm_class: type) -> list[Leaf]:
 
 def has_few_elements(field: Field) -> bool:
     """Whether a field is a scalar, a struct, or a small array of fixed size."""
-    return all(isinstance(dim, int) for dim in field.dims) and math.prod(map(int, field.dims)) <= MAX_ELEMENTS
+    return all(isinstance(dim, int) for dim in field.dims) and math.prod(map(int, field.dims)) <= _MAX_ELEMENTS
 
 
 def _leaves(lcm_class: type, prefix: str, path: tuple[Step, ...]) -> Iterator[Leaf]:

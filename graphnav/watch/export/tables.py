@@ -14,7 +14,7 @@ from graphnav.watch.export.files import placed_file, placed_folder
 from graphnav.watch.export.reader import Reader
 from graphnav.watch.export.scalar_fields import Leaf, Scalar, leaves_of
 
-LOG_UTIME = "log_utime"
+_LOG_UTIME = "log_utime"
 """The first column: the time at which the message was logged, microseconds."""
 
 _ROWS = 4096
@@ -108,14 +108,14 @@ def open_csv(file: Path, leaves: list[Leaf]) -> Table:
     """
     stream = file.open("w", encoding="utf-8", newline="")
     writer = csv.writer(stream, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
-    writer.writerow([LOG_UTIME, *(leaf.name for leaf in leaves)])
+    writer.writerow([_LOG_UTIME, *(leaf.name for leaf in leaves)])
     return Table(writer.writerows, stream.close)
 
 
 def open_parquet(file: Path, leaves: list[Leaf]) -> Table:
     """Return a table that writes Parquet, compressed by zstd; raises UserError if pyarrow is not installed."""
     pa, pq = require("pyarrow"), require("pyarrow.parquet")
-    columns = [(LOG_UTIME, "int64"), *((leaf.name, _TYPES[leaf.primitive]) for leaf in leaves)]
+    columns = [(_LOG_UTIME, "int64"), *((leaf.name, _TYPES[leaf.primitive]) for leaf in leaves)]
     schema = pa.schema([pa.field(name, getattr(pa, kind)(), nullable=False) for name, kind in columns])
     writer = pq.ParquetWriter(file, schema, compression="zstd")
 

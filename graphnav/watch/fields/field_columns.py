@@ -1,4 +1,4 @@
-"""Map field paths of an LCM type to table columns, with errors for unknown fields."""
+"""What field paths select of an LCM type: table columns and values, with errors for unknown fields."""
 
 from __future__ import annotations
 
@@ -16,11 +16,6 @@ _MAX_SMALL = 16
 """Arrays of a fixed size up to this have a column per element by default."""
 _MAX_DEPTH = 16
 _PLACE = Place("--field")
-
-
-def check_path(path: FieldPath, lcm_class: type) -> None:
-    """Raise UserError, listing the existing fields, if a type does not have a field."""
-    _last(path, lcm_class)
 
 
 def columns_of(path: FieldPath, lcm_class: type) -> list[FieldPath]:
@@ -70,7 +65,7 @@ def all_columns(lcm_class: type, steps: tuple[Step, ...] = ()) -> tuple[list[Fie
 
 
 def _last(path: FieldPath, lcm_class: type) -> Field:
-    """Return the last field of a path; raises UserError if it does not exist."""
+    """Return the last field of a path; raises UserError, listing the existing fields, if the type does not have it."""
     inside = lcm_class
     for number, step in enumerate(path.steps, start=1):
         fields = {field.name: field for field in fields_of(inside)}
@@ -148,7 +143,7 @@ class Selection:
             return values
         if self._lcm_class is None:
             for path in self._paths:
-                check_path(path, lcm_class)
+                _last(path, lcm_class)
             self._lcm_class = lcm_class
         if lcm_class is not self._lcm_class:
             return None

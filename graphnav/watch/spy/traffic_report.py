@@ -26,17 +26,17 @@ def as_json(watch: Watch, feed: Feed) -> dict[str, Any]:
         "undecodable": watch.undecodable,
         "overflow": watch.overflow,
         "dropped_packets": feed.dropped_packets(),
-        "channels": {name: channel_as_json(watch.channels[name]) for name in sorted(watch.channels)},
+        "channels": {name: _channel_as_json(watch.channels[name]) for name in sorted(watch.channels)},
     }
 
 
-def channel_as_json(channel: WatchedChannel) -> dict[str, Any]:
+def _channel_as_json(channel: WatchedChannel) -> dict[str, Any]:
     """Return the statistics of one channel."""
     return {
         **rates_as_json(channel),
         **sizes_as_json(channel),
         "undecodable": channel.undecodable,
-        "fields": plain(fields_of_channel(channel)),
+        "fields": plain(_fields_of_channel(channel)),
     }
 
 
@@ -81,9 +81,9 @@ def as_text(watch: Watch, heading: str, *, with_fields: bool = True) -> Text:
     lines = [Text(heading), *(Text(f"run {shown_name(run)}", "bold") for run in watch.announcements.ids)]
     for name in sorted(watch.channels):
         channel = watch.channels[name]
-        lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(summary_of(channel)), "default"))
+        lines.append(Text(shown_name(name), "bold cyan") + Text("  " + ", ".join(_summary_of(channel)), "default"))
         if with_fields:
-            lines += map(Text, described(fields_of_channel(channel)))
+            lines += map(Text, described(_fields_of_channel(channel)))
     if watch.announcements.has_forgotten:
         lines.append(Text(f"only the newest {MAX_RUNS} runs are kept"))
     if watch.overflow:
@@ -91,14 +91,14 @@ def as_text(watch: Watch, heading: str, *, with_fields: bool = True) -> Text:
     return Text("\n").join(lines)
 
 
-def fields_of_channel(channel: WatchedChannel) -> dict[str, Any]:
+def _fields_of_channel(channel: WatchedChannel) -> dict[str, Any]:
     """Return the fields of a channel's newest message, or their declared types before the first message."""
     if channel.values is not None:
         return summarised(channel.values)
     return declared(channel.lcm_class) if channel.lcm_class is not None else {}
 
 
-def summary_of(channel: WatchedChannel) -> Iterator[str]:
+def _summary_of(channel: WatchedChannel) -> Iterator[str]:
     """Yield phrases about one channel: type, amount, rate, size."""
     yield shown_name(channel.type_name or "unknown type")
     if channel.is_silent:

@@ -42,8 +42,8 @@ SECURITY_HEADERS = {
 }
 """Restricts loading, sending and framing to this server's pages; LCM data cannot become a script."""
 T = TypeVar("T")
-UPDATES = "/updates"
-SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
+_UPDATES = "/updates"
+_SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
 _MAX_PAGES = 8
 _MAX_REQUEST_BYTES = 4096
 _UPDATE_S = 0.2
@@ -110,7 +110,7 @@ class PageServer:
         hosts = request.headers.get_all("Host")
         if self._hosts is None or not self._hosts.admits(hosts):
             return _response(HTTPStatus.FORBIDDEN)
-        if request.path == UPDATES:
+        if request.path == _UPDATES:
             if not self._hosts.admits_origin(request.headers.get_all("Origin"), hosts[0]):
                 return _response(HTTPStatus.FORBIDDEN)
             return _response(HTTPStatus.SERVICE_UNAVAILABLE) if self._n_pages >= _MAX_PAGES else None
@@ -181,7 +181,7 @@ def _apply(log: LogFeed, command: LogCommand, channel: str | None) -> None:
             log.seek(command.value)
         case "step":
             log.step(1 if command.value > 0 else -1, channel)
-        case "speed" if command.value in SPEEDS:
+        case "speed" if command.value in _SPEEDS:
             log.set_speed(command.value)
 
 
