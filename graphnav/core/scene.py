@@ -82,7 +82,7 @@ class Scene:
         self.robot_radius_m = world.robot_radius_m
 
     def moving_at(self, poses: Doubles) -> list[SceneArea]:
-        """Return the moving obstacles in W at their ``poses``, (n, 3); those without a pose, or a finite one, not."""
+        """Return the moving obstacles in W at their ``poses``, (n, 3), without those that have no finite pose."""
         pairs = zip(self.moving, poses, strict=False)
         return [area.at(pose) for area, pose in pairs if area is not None and np.isfinite(pose).all()]
 

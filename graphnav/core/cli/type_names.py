@@ -28,7 +28,7 @@ def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
     Raises
     ------
     UserError
-        There is no such type.
+        The type does not exist.
     """
     from graphnav.core.codec import find_type
 

@@ -113,7 +113,7 @@ def find_type(name: str, more: Mapping[str, type] | None = None) -> type:
     Raises
     ------
     UserError
-        There is no such type; the hint names the nearest.
+        The type does not exist; the hint names a similar one.
     """
     named: dict[str, type] = dict(more or {})
     for lcm_class in (*(message.lcm_class for message in message_classes()), *SHIPPED):

@@ -227,7 +227,7 @@ class Recording:
         return self._index
 
     def count(self, channel: str) -> int:
-        """Return the number of events on a channel; 0 if there is no such channel."""
+        """Return the number of events on a channel; 0 if the log does not have it."""
         return len(self._index.channels.get(channel, ()))
 
     def utimes(self, channel: str) -> list[int]:
@@ -272,7 +272,7 @@ class Recording:
         return self._decoded(channel, index, wrapper)
 
     def messages(self, channel: str) -> Iterator[tuple[int, int, Message]]:
-        """Yield ``(utime, seq, message)`` of a channel's events; none if there is no such channel."""
+        """Yield ``(utime, seq, message)`` of a channel's events; none if the log does not have it."""
         return (self.message(channel, index) for index in range(self.count(channel)))
 
     def fields(self, channel: str, index: int) -> dict[str, Any]:

@@ -72,7 +72,7 @@ def file_of_lcm(name: str) -> Path:
     Raises
     ------
     GraphnavError
-        There is no such file.
+        The file does not exist.
     """
     try:
         found = [file for file in files("lcm") or [] if file.name == name]

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 _JSON_S = 2.5
 
-
 PARAMETERS = (
     Options.CHANNEL.but(nargs="?", help="the channel's name (default: all channels)"),
     FEED,
@@ -31,7 +30,7 @@ PARAMETERS = (
 
 
 def json_keys(keys: str) -> str:
-    """Return what stands below the help; ``keys`` documents the JSON keys of a channel."""
+    """Return the text below the help; ``keys`` documents the JSON keys of a channel."""
     return (
         f'--json prints {{"feed": ..., "dropped_packets": N, "channels": {{NAME: {{...}}}}}}; of each channel:\n{keys}'
     )

@@ -21,7 +21,6 @@ FORMATS = {
 }
 """Every format of `graphnav.watch.export` and its help."""
 
-
 _EXAMPLES = """\
 examples:
   graphnav export runs/a --to mcap -o a.mcap

@@ -1,4 +1,4 @@
-"""When a command that listens reports, and when it gives up."""
+"""What commands that read a feed share: the log that they open, when they report, and when they give up."""
 
 from __future__ import annotations
 

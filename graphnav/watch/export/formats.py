@@ -1,4 +1,4 @@
-"""The export formats."""
+"""The export formats: the writer of each, and those of entries for viewers and of images."""
 
 from __future__ import annotations
 

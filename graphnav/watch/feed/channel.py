@@ -16,6 +16,7 @@ KEPT_MESSAGES = 600
 _SMALL_BYTES = 1024
 _MAX_SMALL_BYTES = KEPT_MESSAGES * 512
 SECONDS = 60
+"""The number of seconds in a `RateHistory`."""
 
 
 class RateHistory:

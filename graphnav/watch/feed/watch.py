@@ -90,7 +90,7 @@ class Watch:
     def find(self, name: str, feed: Feed, for_s: float | None) -> WatchedChannel:
         """Return a channel of which a message was received.
 
-        Raises UserError if there is no such channel, GraphnavError if no message was received.
+        Raises UserError if the feed does not have the channel, GraphnavError if no message was received.
         """
         if name in self.channels and self.channels[name].count:
             return self.channels[name]

@@ -1,4 +1,4 @@
-"""Read a log once, from beginning to end, and summarise it."""
+"""Read a log once, from beginning to end, and summarise it: its channels, and whether its run finished."""
 
 from __future__ import annotations
 

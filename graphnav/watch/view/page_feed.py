@@ -1,4 +1,4 @@
-"""The state of the page: channels, runs, health and paths of a feed, live or a log that is played."""
+"""The feed of the page, live or a log that is played, and its state: channels, runs, health and paths."""
 
 from __future__ import annotations
 

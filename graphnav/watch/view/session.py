@@ -49,7 +49,7 @@ class Session:
         self._sent_graph: tuple[str, tuple[str, ...]] | None = None
 
     def greeting(self) -> str:
-        """Return the first message: a description of the source."""
+        """Return the first message: a description of the feed."""
         log = self._feed.log
         hello = {"kind": "hello", "name": self._feed.name, "log": log is not None}
         return json.dumps(hello | ({"length_s": log.length_s} if log else {}), allow_nan=False)

@@ -91,7 +91,7 @@ def draw_component(axes: Axes, frame: Frame, components: Components, which: int)
 def draw_mixing(axes: Axes, components: Components) -> str:
     """Draw the samples of both mixtures and the directions of the components; return the caption."""
     valid = components.valid != 0
-    # First all horizontal parts, then all vertical ones: every so-manieth is a sample of both.
+    # All horizontal parts, then all vertical ones: points at a regular step are of both.
     planar, flow = (mixture(components, row)[valid].T.reshape(-1) for row in (1, 0))
     every = max(1, len(planar) // _MAX_POINTS)
     axes.axhline(0, color="#c8c8c8", lw=0.8, zorder=0)

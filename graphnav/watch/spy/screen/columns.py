@@ -1,4 +1,4 @@
-"""The columns of the table, and the selection that fits a terminal."""
+"""The columns of the table with their cells, and the selection that fits a terminal."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _bandwidth(row: Row) -> str:
 
 
 def _count(value: int) -> str:
-    """Format a count, None as a dash; a count that does not fit is rounded."""
+    """Format a count, 0 as a dash; a count that does not fit is rounded."""
     if not value:
         return "-"
     return str(value) if value < _MAX_COUNT else f"{value:.1e}"
