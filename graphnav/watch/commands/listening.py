@@ -1,4 +1,4 @@
-"""What commands that read a feed share: the log that they open, when they report, and when they give up."""
+"""Shared by commands that read a feed: open its log, decide when to report and when to give up."""
 
 from __future__ import annotations
 

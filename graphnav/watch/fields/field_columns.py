@@ -1,4 +1,4 @@
-"""What field paths select of an LCM type: table columns and values, with errors for unknown fields."""
+"""Select fields of an LCM type by paths, as table columns or as values, with errors for unknown fields."""
 
 from __future__ import annotations
 
