@@ -148,7 +148,7 @@ class _Replay:
         self._new = [channel for channel in compared if recorded is not None and channel.name not in recorded]
         known = [channel for channel in compared if channel not in self._new]
         self._comparison = Comparison(self._recording, known, self._contents, scope)
-        self._counts = MessageCounts()
+        self._counts = _MessageCounts()
         replayer: Replayer = self._session.make(self._stages, [self._comparison, self._counts], log)
         self._comparison.now_us = lambda: replayer.engine.utime
         return replayer
@@ -193,11 +193,11 @@ class _Replay:
             lost=tuple(self._lost),
             failure=self._failure,
             scores=scores,
-            recorded_scores=recorded_scores(path),
+            recorded_scores=_recorded_scores(path),
         )
 
 
-class MessageCounts:
+class _MessageCounts:
     """A sink that counts messages."""
 
     def __init__(self) -> None:
@@ -243,7 +243,7 @@ def _not_replayed(recording: Recording, made: LogGraph, replayed: set[str]) -> I
             yield name
 
 
-def recorded_scores(log: Path) -> dict[str, dict[str, float]]:
+def _recorded_scores(log: Path) -> dict[str, dict[str, float]]:
     """Return the metrics by stage in the summary of a run folder, empty without a readable one."""
     if log.name != RunFolder.LOG:
         return {}

@@ -42,8 +42,6 @@ class Contents:
     """All messages in file order."""
     other_types: frozenset[str]
     """Channels with another type in the log."""
-    damaged: Mapping[str, list[float]]
-    """By channel, for each damaged message the timestamp of the preceding one, minus infinity without one."""
     lost: tuple[str, ...]
     """Descriptions of the damage."""
     stops: tuple[Logged, ...]
@@ -78,7 +76,6 @@ def read_contents(
     known = {*channels, *about.channels} if about is not None else {head.channel for head in heads}
     messages: dict[str, list[Logged]] = {name: [] for name in channels}
     order: list[Logged] = []
-    damaged: dict[str, list[float]] = defaultdict(list)
     lost = _lost_bytes(recording)
     for head in heads:
         if head.channel in other_types or (head.channel not in known and not is_own):
@@ -99,7 +96,6 @@ def read_contents(
         {name: tuple(found) for name, found in messages.items()},
         tuple(order),
         other_types,
-        damaged,
         tuple(lost),
         tuple(stops),
         is_own,

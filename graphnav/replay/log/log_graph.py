@@ -10,7 +10,6 @@ from typing import Any
 
 from graphnav import About, Graph, Place, Recording, Status, UserError, shown_path
 from graphnav.core.catalog import Catalog
-from graphnav.core.codec import DecodeError, decode
 from graphnav.core.graph import Override, Target, graph_of, load_graph
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import complete_channels
@@ -35,16 +34,6 @@ class LogGraph:
     """The graph of the run itself, where its sources make again what the log leaves out."""
 
 
-def about_in(recording: Recording) -> About | None:
-    """Return the description in a log; in a log of the tap it is repeated, and not the first event."""
-    for index in range(recording.count(About.CHANNEL)):
-        try:
-            return decode(About, recording.event(About.CHANNEL, index).data)[2]
-        except DecodeError:
-            continue
-    return None
-
-
 def graph_to_replay(
     recording: Recording,
     catalog: Catalog,
@@ -63,7 +52,7 @@ def graph_to_replay(
     UserError
         The log does not hold its graph, or the graph has errors.
     """
-    about = about_in(recording)
+    about = recording.about
     names = {path.name for path in plugins}
     if graph is not None:
         found = load_graph(graph, catalog, overrides)

@@ -31,21 +31,11 @@ def missing_messages(channel: Channel, plan: Plan, contents: Contents) -> list[M
     if not messages:
         is_missing = (port is not None and not port.optional) or _has_effects(channel, plan, contents)
         return [MissingMessages(0, -math.inf, math.inf)] if is_missing else []
-    missing = numbered_gaps(channel, contents)
+    missing = numbered_gaps(messages)
     is_regular = port is not None and not (port.optional or port.stamped) and plan.graph.node(channel.stage).is_source
     return missing + (
         _regular_rest(channel, plan, contents) if is_regular else _large_rest(channel, port, plan, contents)
     )
-
-
-def numbered_gaps(channel: Channel, contents: Contents) -> list[MissingMessages]:
-    """Return the messages of a channel that are damaged, or missing by the sequence numbers of the others."""
-    missing = _by_numbers(contents.messages[channel.name])
-    return missing + [
-        MissingMessages(1, at_us, math.inf)
-        for at_us in contents.damaged.get(channel.name, ())
-        if not _covers(missing, at_us)
-    ]
 
 
 def _port(channel: Channel, graph: Graph) -> Port | None:
@@ -65,11 +55,7 @@ def _has_effects(channel: Channel, plan: Plan, contents: Contents) -> bool:
     )
 
 
-def _covers(missing: Sequence[MissingMessages], at_us: float) -> bool:
-    return any(part.after_us == at_us for part in missing)
-
-
-def _by_numbers(messages: Sequence[Logged]) -> list[MissingMessages]:
+def numbered_gaps(messages: Sequence[Logged]) -> list[MissingMessages]:
     """Return the gaps in the sequence numbers; a number that fits neither of two matching neighbours is damaged."""
     missing: list[MissingMessages] = []
     last_seq, last_us = -1, -math.inf

@@ -60,7 +60,7 @@ class Reproduction:
     def missing_inputs(self, contents: Contents) -> Iterator[tuple[Channel, list[MissingMessages]]]:
         """Yield the inputs of which messages are missing."""
         for channel in self.inputs:
-            if missing := numbered_gaps(channel, contents):
+            if missing := numbered_gaps(contents.messages[channel.name]):
                 yield channel, missing
 
     def heard_by(self, node: Node, contents: Contents) -> list[Heard]:
