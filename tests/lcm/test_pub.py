@@ -150,10 +150,13 @@ def test_a_command_line_that_is_wrong_is_refused(
     [
         (
             ["a b", "Twist"],
-            "argument CHANNEL: 'a b' cannot be the name of a channel: use ASCII characters without spaces",
+            "argument CHANNEL: 'a b' cannot be a channel's name: use ASCII characters without spaces",
         ),
-        (["", "Twist"], "argument CHANNEL: '' cannot be the name of a channel: use ASCII characters without spaces"),
-        (["X" * 64, "Twist"], f"argument CHANNEL: '{'X' * 64}' has 64 characters, but LCM takes at most 63"),
+        (["", "Twist"], "argument CHANNEL: '' cannot be a channel's name: use ASCII characters without spaces"),
+        (
+            ["X" * 64, "Twist"],
+            f"argument CHANNEL: the channel name '{'X' * 64}' has 64 characters, but LCM takes at most 63",
+        ),
         (
             ["graphnav.status", "Twist"],
             "argument CHANNEL: channel names that begin with 'graphnav.' are reserved: 'graphnav.status'",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sized
 from typing import TYPE_CHECKING
 
 from graphnav.core.api.parameters import Shared
 from graphnav.core.cli.options import Options, load, notices_of
+from graphnav.core.cli.quantities import counted
 from graphnav.core.cli.status import Exit
 from graphnav.core.errors import Place, Problem, UserError
 from graphnav.core.parameters import command, flag
@@ -72,11 +72,11 @@ def _print(graph: Graph, args: argparse.Namespace) -> int:
     if graph.is_live:
         console.print(f"it runs live: {_outside(graph)}", markup=False)
     parts = [
-        _count(graph.inputs, "input") if graph.inputs else "",
-        _count(graph.sources, "source"),
-        _count(graph.order, "other stage"),
-        _count(graph.channels, "channel"),
-        _count(graph.outputs, "output") if graph.outputs else "",
+        counted(len(graph.inputs), "input") if graph.inputs else "",
+        counted(len(graph.sources), "source"),
+        counted(len(graph.order), "other stage"),
+        counted(len(graph.channels), "channel"),
+        counted(len(graph.outputs), "output") if graph.outputs else "",
     ]
     counts = ", ".join(filter(None, parts))
     if graph.left_out:
@@ -120,8 +120,3 @@ def _writes(node: Node) -> list[str]:
 
 def _message(channel: Channel) -> str:
     return f"{channel.ref}: {channel.type_text}"
-
-
-def _count(things: Sized, noun: str) -> str:
-    number = len(things)
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

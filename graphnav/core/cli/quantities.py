@@ -20,16 +20,10 @@ def positive(text: str) -> float:
 
 def channel_name(text: str) -> str:
     """Parse the name of a channel: accepted by LCM and not reserved."""
-    from graphnav.core.graph.wiring.channels import MAX_NAME, RESERVED
+    from graphnav.core.graph.wiring.channels import why_not_a_name
 
-    if not text or not text.isascii() or not text.isprintable() or " " in text:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} cannot be the name of a channel: use ASCII characters without spaces"
-        )
-    if len(text) > MAX_NAME:
-        raise argparse.ArgumentTypeError(f"'{text}' has {len(text)} characters, but LCM takes at most {MAX_NAME}")
-    if text.startswith(RESERVED):
-        raise argparse.ArgumentTypeError(f"channel names that begin with '{RESERVED}' are reserved: '{text}'")
+    if reason := why_not_a_name(text):
+        raise argparse.ArgumentTypeError(": ".join(filter(None, reason)))
     return text
 
 
