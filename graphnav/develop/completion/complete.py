@@ -11,14 +11,13 @@ from typing import Any
 
 from graphnav import GraphnavError
 from graphnav.core.parameters import Candidates, Completer
+from graphnav.core.run_folder import RunFolder
 from graphnav.develop.completion.index import Index, installed_index
 
 _YAML = (".yaml", ".yml")
 _Finder = Callable[[str, list[str], Index], Iterable[str]]
 """Of a prefix, the graphs and studies of the command line, and the index."""
 _TIMES = ("every_ms", "deadline_ms")
-RUN_LOG = "run.lcmlog"
-"""The file by which a folder is a run folder."""
 _RUNS = "runs"
 _MAX_RUNS = 20
 SHELLS = ("bash", "zsh", "fish")
@@ -166,13 +165,13 @@ def run_folders(prefix: str) -> Iterator[str]:
     """Yield run folders, the newest of ``runs/`` first, then other folders and logs."""
     newest: list[str] = []
     with suppress(OSError):
-        found = [path.parent for path in Path(_RUNS).glob(f"*/{RUN_LOG}")]
+        found = [path.parent for path in Path(_RUNS).glob(f"*/{RunFolder.LOG}")]
         newest = list(map(str, sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)[:_MAX_RUNS]))
     yield from newest
     for path in paths(prefix, (".lcmlog",)):
         folder = path.rstrip("/")
         if folder not in newest:
-            yield folder if path != folder and Path(folder, RUN_LOG).is_file() else path
+            yield folder if path != folder and Path(folder, RunFolder.LOG).is_file() else path
 
 
 def shell_script(shell: str, program: str = "graphnav") -> str:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
 
 from graphnav import GraphnavError
-from graphnav.core.machine import read_json, user_folder
+from graphnav.core.machine import read_json, user_folder, write_atomically
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog
@@ -127,11 +127,9 @@ def installed_index() -> Index:
         if kept["stamp"] == stamp:
             return Index(**kept["index"])
     index = build_index()
-    with suppress(OSError):
+    with suppress(OSError, GraphnavError):
         file.parent.mkdir(parents=True, exist_ok=True)
-        pending = file.with_suffix(f".{os.getpid()}")
-        pending.write_text(json.dumps({"stamp": stamp, "index": asdict(index)}), encoding="utf-8")
-        pending.replace(file)
+        write_atomically(file, json.dumps({"stamp": stamp, "index": asdict(index)}))
     return index
 
 
