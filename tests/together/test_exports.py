@@ -30,7 +30,7 @@ def test_every_name_is_exported(stub: Path) -> None:
     assert not hidden, "a module of the same name hides them: give it another one"
 
 
-def test_an_unknown_name_is_no_attribute() -> None:
+def test_an_unknown_name_raises_as_in_any_module() -> None:
     with pytest.raises(AttributeError, match="module 'graphnav' has no attribute 'nothing'"):
         getattr(graphnav, "nothing")  # noqa: B009 - mypy knows that there is none
     assert not hasattr(graphnav.core.machine, "nothing")
