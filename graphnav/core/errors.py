@@ -24,6 +24,11 @@ _MAX_LINE = 1000
 _NO_PLUGINS = {"", "graphnav", "pluggy", *sys.stdlib_module_names}
 """Top-level packages through which a plugin is called."""
 
+_EMOJI = "\u2190-\u2bff\ufe0e\ufe0f\U0001f000-\U0001faff"
+_EMOJI_JOINER = re.compile(f"(?<=[{_EMOJI}])\u200d(?=[{_EMOJI}])")
+_INVISIBLE = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0d\uffa0\U000e0000-\U000e0fff]")
+"""Characters without a glyph that `str.isprintable` lets through: fillers and selectors, but not those of emoji."""
+
 ProblemKind = Literal["wrong", "unknown", "ambiguous", "duplicate", "untrusted"]
 """A name that is not known, several candidates for one wire, something given twice, code that is not trusted and so did
 not run; ``wrong``: anything else."""
@@ -128,7 +133,7 @@ class UserError(GraphnavError):
 
     def __init__(self, problems: Problem | Iterable[Problem]) -> None:
         found = [problems] if isinstance(problems, Problem) else list(problems)
-        self.problems = sorted(found, key=lambda p: (p.place or Place(""),))
+        self.problems = sorted(found, key=lambda problem: problem.place or Place(""))
         super().__init__("\n".join(map(str, self.problems)))
 
     @classmethod
@@ -279,12 +284,6 @@ def _converted(convert: Callable[[object], str], value: object) -> str:
 
 def _bounded(line: str) -> str:
     return line if len(line) <= _MAX_LINE else f"{line[:_MAX_LINE]} (and {len(line) - _MAX_LINE:,} more characters)"
-
-
-_EMOJI = "\u2190-\u2bff\ufe0e\ufe0f\U0001f000-\U0001faff"
-_EMOJI_JOINER = re.compile(f"(?<=[{_EMOJI}])\u200d(?=[{_EMOJI}])")
-_INVISIBLE = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0d\uffa0\U000e0000-\U000e0fff]")
-"""Characters without a glyph that `str.isprintable` lets through: fillers and selectors, but not those of emoji."""
 
 
 def printable(text: str) -> str:

@@ -5,22 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from types import MappingProxyType
 
 import numpy as np
 
 from graphnav.arrays import Doubles
 from graphnav.core.messages import Map
 
-_COLOURS = MappingProxyType(
-    {
-        "goal": "#5aa469",
-        "wall": "#4c566a",
-        "obstacle": "#c98a4b",
-        "moving": "#8f6bb3",
-        "seen": "#2a9df4",
-    }
-)
+_COLOURS = {"goal": "#5aa469", "wall": "#4c566a", "obstacle": "#c98a4b", "moving": "#8f6bb3", "seen": "#2a9df4"}
 _OPACITY = {"goal": 0.4, "seen": 0.25}
 _ROLES = {Map.WALL: "wall", Map.OBSTACLE: "obstacle", Map.MOVING: "moving"}
 

@@ -25,7 +25,7 @@ _FULL = {
     "zypper": "zypper install java-devel",
 }
 """The command that installs a JDK with AWT, by package manager."""
-JAR = "types.jar"
+_JAR = "types.jar"
 _DEFAULT_PACKAGE = "lcmtypes"
 _CACHE: Final = "XDG_CACHE_HOME"
 
@@ -104,7 +104,7 @@ def write_java(lcm_classes: Iterable[type], folder: Path) -> JavaTypes:
             definition.write_text(texts[definition.name], encoding="utf-8")
         _run([str(lcm_gen), "-j", "--jpath", str(folder), *map(str, definitions)])
         sources = tuple(_source(folder, name.removesuffix(".lcm")) for name in texts)
-        jar, classes = folder / JAR, Path(scratch) / "classes"
+        jar, classes = folder / _JAR, Path(scratch) / "classes"
         javac, jar_tool = shutil.which("javac"), shutil.which("jar")
         if javac is not None and jar_tool is not None:
             compiling, packing = _build(javac, jar_tool, lcm_jar, classes, sources, jar)

@@ -19,6 +19,11 @@ T = TypeVar("T")
 
 PathLike = str | os.PathLike[str]
 
+_MAX_DEPTH = 20
+"""Lists within lists."""
+_MAX_SHOWN = 60
+_MAX_S = 1e12
+
 
 def path_of(value: object, parameter: Parameter, index: str = "") -> Path:
     """Return a path; ``index`` of its place in a list: ``[0]``.
@@ -180,9 +185,3 @@ def _listed(values: object, parameter: Parameter) -> Iterable[object]:
 def _shown(value: object) -> str:
     text = repr(value)
     return text if len(text) <= _MAX_SHOWN and text.isprintable() else "a value"
-
-
-_MAX_DEPTH = 20
-"""Lists within lists."""
-_MAX_SHOWN = 60
-_MAX_S = 1e12

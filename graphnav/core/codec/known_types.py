@@ -90,9 +90,8 @@ def _is_lcm_module(package: str, short: str) -> bool:
 
 def known_types() -> list[type]:
     """Return the shipped and the imported lcm-gen classes, each once."""
-    shipped = [found for found in vars(graphnav_lcm).values() if hasattr(found, "__typenames__")]
     wrapped = [found.lcm_class for found in message_classes()]
-    return list(dict.fromkeys((*shipped, *wrapped, *_added.values())))
+    return list(dict.fromkeys((*SHIPPED, *wrapped, *_added.values())))
 
 
 def type_of(data: bytes) -> type | None:

@@ -95,7 +95,7 @@ def graph_of(
         )  # what their stages lack is not worth telling
     spec.folders = {file.source: file.path.parent for file in files}
     if is_record:
-        accept_old_names(spec, classes_of(spec, catalog, []))
+        _accept_old_names(spec, classes_of(spec, catalog, []))
     rewire_merged(spec, merged, catalog, problems, file_notices)
     spec = apply_overrides(spec, overrides, catalog, problems, notices)
     graph = check(spec, catalog, path, problems, notices, plugins.left_out)
@@ -125,7 +125,7 @@ def _without_repetitions(problems: list[Problem]) -> list[Problem]:
     return list(dict.fromkeys(problems))
 
 
-def accept_old_names(spec: Spec, classes: Mapping[str, type[Stage]]) -> None:
+def _accept_old_names(spec: Spec, classes: Mapping[str, type[Stage]]) -> None:
     """Give parameters of ``spec`` that were renamed (`param`'s ``renamed_from``) their present names."""
     for name, cls in classes.items():
         names = {param.renamed_from: param.name for param in params_of(cls).values() if param.renamed_from}

@@ -1,4 +1,4 @@
-"""The machine: its instruction set, threads, files, sockets, terminal, Java, installed packages."""
+"""The machine: its instruction set, threads, files, sockets, terminal, installed packages."""
 
 from graphnav.core.exports import exports
 

@@ -18,8 +18,6 @@ ONE_THREAD = {
     "OPENCV_FOR_THREADS_NUM": "1",
 }
 """The environment of a single-threaded process; it must be set before numpy and OpenCV are loaded."""
-
-
 _PATIENCE_S = 1.0
 
 

@@ -33,7 +33,6 @@ from graphnav.core.spec import option_in, parse_yaml
 
 M = TypeVar("M", bound=Message)
 
-
 _RESERVED = "graphnav."
 _FINGERPRINT_BYTES = 8
 _HEAD = struct.Struct(">8sqq")

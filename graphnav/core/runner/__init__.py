@@ -1,4 +1,4 @@
-"""The engine that runs graphs, and the schedule of lockstep."""
+"""The engine that runs graphs, the schedule of lockstep, and what writes the folder of a run."""
 
 from graphnav.core.exports import exports
 

@@ -1,4 +1,4 @@
-"""Look up LCM types: fields with units and comments, definitions, Java code for lcm-spy."""
+"""LCM types: those of other packages and of ``.lcm`` files, fields with units and comments, definitions."""
 
 from graphnav.core.exports import exports
 

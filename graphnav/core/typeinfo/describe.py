@@ -18,8 +18,6 @@ from graphnav.core.codec import (
 )
 from graphnav.core.stage import unit_of
 
-"""Units of durations and memory, which occur in messages but not in parameters."""
-
 
 def describe_type(lcm_class: type, name: str = "") -> dict[str, Any]:
     """Return the description of a type as JSON-compatible values.

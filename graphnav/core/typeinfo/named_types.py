@@ -44,7 +44,7 @@ def load_types(names: Iterable[str]) -> dict[str, type]:
             raise _nothing(name)
     loaded: dict[str, type] = {}
     for package in packages:
-        loaded |= _add(types_of_package(package))
+        loaded |= _add(_types_of_package(package))
     if files:
         compiled = compile_definitions(list(files.values()))
         if not compiled:
@@ -84,7 +84,7 @@ def _is(question: Callable[[], bool]) -> bool:
         return False
 
 
-def types_of_package(name: str) -> dict[str, type]:
+def _types_of_package(name: str) -> dict[str, type]:
     """Return the lcm-gen classes of a package and its subpackages, by LCM name.
 
     Raises

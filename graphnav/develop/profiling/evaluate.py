@@ -54,7 +54,7 @@ def profile_of(graph: Graph, spans: TickSpans, summary: Summary, clock: Clock, r
             timed_p50_ms=watch.root.ticks.quantile_s(0.5) * 1e3,
             bare_p50_ms=spans.bare.quantile_s(0.5) * 1e3 if spans.bare.count else None,
         ),
-        threads=process_threads(),
+        threads=_process_threads(),
         tree=_node(watch.root, graph, spans),
     )
 
@@ -140,7 +140,7 @@ def _function(function: Function, step_ms: float) -> Node:
     )
 
 
-def process_threads() -> dict[str, int]:
+def _process_threads() -> dict[str, int]:
     """Return the number of threads that BLAS may use, and OpenCV where a plugin has loaded it."""
     found = {"blas": max((pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"), default=1)}
     opencv = sys.modules.get("cv2")  # the core does not import it

@@ -67,7 +67,7 @@ def measure(
         spans=spans,
     )
     if spans.watch.n_ticks:
-        cost_us = reading_us(max(1, len(spans.n_messages)), spans.watch.clock)
+        cost_us = _reading_us(max(1, len(spans.n_messages)), spans.watch.clock)
         return profile_of(graph, spans, summary, clock, cost_us)
     raise NothingMeasuredError(_why_nothing(summary.outcome, summary.failure, summary.frames), summary.outcome)
 
@@ -87,7 +87,7 @@ def _why_nothing(outcome: str, failure: str, n_ticks: int) -> str:
     return what if outcome == Outcome.STOPPED else f"{what}\n  let it run longer, with --until or a longer input"
 
 
-def reading_us(n_channels: int, clock: Callable[[], int]) -> float:
+def _reading_us(n_channels: int, clock: Callable[[], int]) -> float:
     """Return the cost of one reading of the clock, microseconds, with the call around it that a plain run lacks.
 
     The median over batches of what a timed receiver of ``n_channels`` channels that does nothing takes longer than the

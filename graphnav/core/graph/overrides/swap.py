@@ -71,7 +71,7 @@ class _Change:
         read_before = {ref.partition(".")[0] for _, _, ref in self._rewiring.wires()}
         swaps_of_added = {a.stage: a for a in self._swaps}
         for a in self._adds:
-            add_stage(self._spec, swaps_of_added.pop(a.stage, a), self._catalog, self._given(a.stage), self._notices)
+            _add_stage(self._spec, swaps_of_added.pop(a.stage, a), self._catalog, self._given(a.stage), self._notices)
         swapped = [a.stage for a in swaps_of_added.values() if self._replace(a)]
         for given in self._wires.values():
             self._spec.stages[given.stage].wires[given.key] = given.entry
@@ -108,7 +108,7 @@ class _Change:
             stage.wires = {name: written_out(entry, self._before) for name, entry in stage.wires.items()}
 
 
-def add_stage(spec: Spec, added: Assignment, catalog: Catalog, given: Collection[str], notices: list[str]) -> None:
+def _add_stage(spec: Spec, added: Assignment, catalog: Catalog, given: Collection[str], notices: list[str]) -> None:
     """Add a stage without wires behind all others; ``given``: its parameters that are set too."""
     spec.stages[added.stage] = StageSpec(
         name=added.stage, place=added.place, use=added.text, use_place=added.place, use_note=added.override.note

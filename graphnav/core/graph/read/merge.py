@@ -36,11 +36,11 @@ def merge_entries(old: Entry, new: Entry, who: str, problems: list[Problem], *, 
         elif before is not None:
             del words[key]
         else:
-            problems.append(nothing_to_remove(f"{who} of the extended graph", key, entry, old.value.data))
+            problems.append(_nothing_to_remove(f"{who} of the extended graph", key, entry, old.value.data))
     return Entry(new.place, Value(words, new.value.place))
 
 
-def nothing_to_remove(who: str, key: str, entry: Entry, known: dict[str, Entry]) -> Problem:
+def _nothing_to_remove(who: str, key: str, entry: Entry, known: dict[str, Entry]) -> Problem:
     """Return the problem of a null whose key the extended graph does not have."""
     hint = did_you_mean(key, known) or (f"it has {', '.join(known)}" if known else "it has none")
     return Problem(entry.place, f"null removes '{key}', but {who} has no such key", hint)
@@ -126,7 +126,7 @@ class StageMerge:
             if entry.value.data is not None:
                 continue
             if left.pop(name, None) is None:
-                self._problems.append(nothing_to_remove("'stages' of the extended graph", name, entry, stages))
+                self._problems.append(_nothing_to_remove("'stages' of the extended graph", name, entry, stages))
             else:
                 self.removed[name] = entry.place
                 self._told.append(f"{name}: removed")
