@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import dist
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ WORLDS = [
     "neutral",
     "laps",
 ]
+LAYOUTS = ["poles", "spiral", "maze", "office"]
 SWEEPS = sorted(name for name in shipped_studies() if name.startswith("suite_"))
 METHODS = ["ica", "homography", "residual subspace", "truth", "oracle"]
 RADIUS_M = 0.2
@@ -91,6 +93,18 @@ def test_where_walls_fill_the_picture_its_frames_count(tmp_path: Path) -> None:
 def test_every_graph_of_a_study_with_every_method_is_right(name: str, catalog: Catalog) -> None:
     checked = check_study(replace(load_study(name), seeds=(0,)), catalog, "")
     assert set(checked.plan.axes["method"]) >= set(METHODS)
+
+
+def test_the_study_of_layouts_drives_the_chain_and_navigate_in_each(catalog: Catalog) -> None:
+    study = load_study("layouts")
+    assert list(study.graphs) == [f"{family}/{world}" for world in LAYOUTS for family in ("suite", "navigate")]
+    checked = check_study(replace(study, seeds=(0,)), catalog, "")
+    assert list(checked.plan.axes["method"]) == ["as it is", "truth"]
+
+
+def test_the_way_into_the_spiral_leads_around_the_goal(catalog: Catalog) -> None:
+    world = load_map(Path(param("suite/spiral", "robot.map", catalog)), 0, RADIUS_M)
+    assert world.shortest_m > 3 * dist(world.draw.start[:2], world.draw.goal_m.mean(axis=0))
 
 
 @pytest.mark.parametrize("name", SWEEPS)
