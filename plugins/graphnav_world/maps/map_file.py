@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -111,7 +111,11 @@ def _bodies(draws: Draws, keys: MapKeys, corridor: Corridor | None) -> list[Body
 def _texture(draws: Draws, name: str, keys: TextureKeys) -> Texture:
     base = TEXTURES.get(name, TEXTURES["obstacle"])
     given = {"mean": keys.mean, "contrast": keys.contrast, "grain_m": keys.grain_m}
-    return Texture(**{key: draws.number(one) if one else getattr(base, key) for key, one in given.items()})
+    noise = replace(base, **{key: draws.number(one) for key, one in given.items() if one})
+    if keys.tile_m is None:
+        return noise
+    tile_m, joint_m, joint = (draws.number(one) for one in (keys.tile_m, keys.joint_m, keys.joint))
+    return replace(noise, tile_m=tile_m, joint_m=joint_m, joint=joint)
 
 
 def _check_textures(draws: Draws, keys: MapKeys, known: Collection[str]) -> None:

@@ -15,7 +15,7 @@ MAX_RATIO = 100.0
 
 
 class TextureKeys(Record):
-    """How surfaces look: gray noise.
+    """How surfaces look: gray noise, or tiles that are all alike.
 
     What is left out is as in the texture of the same name that always exists (`floor`, `wall`, `obstacle`), else as in
     `obstacle`.
@@ -28,6 +28,7 @@ class TextureKeys(Record):
       wall: {mean: 165, contrast: 26, grain_m: 0.12}
       obstacle: {mean: 90, contrast: 26, grain_m: 0.08}
       brick: {mean: [90, 120]}
+      tiles: {mean: 150, contrast: 2, tile_m: 0.3, joint: 70}    # pale tiles, dark joints
     """
 
     mean: Range[float] | None = key(None, gt=0.0, le=MAX_GRAY, doc="its mean gray level, of 255; more is brighter")
@@ -35,6 +36,14 @@ class TextureKeys(Record):
         None, gt=0.0, le=MAX_GRAY, doc="the standard deviation of its gray levels, of 255"
     )
     grain_m: Range[float] | None = key(None, ge=0.001, le=MAX_M, doc="the size of its largest grains; 0.64 at most")
+    tile_m: Range[float] | None = key(
+        None,
+        ge=0.02,
+        le=0.64,
+        doc="side of the square tiles, whose faces all show the same noise; no tiles if left out",
+    )
+    joint_m: Range[float] = key(Range(0.01, 0.01), ge=0.001, le=0.1, doc="width of the joints between tiles")
+    joint: Range[float] = key(Range(60.0, 60.0), ge=0.0, le=MAX_GRAY, doc="gray level of the joints, of 255")
 
 
 class View(Record):

@@ -27,12 +27,16 @@ BLUR_PX, BLUR_GAIN = 1.0, 3.545
 class Texture:
     """Appearance of a surface: mean gray and standard deviation, both of 255, and the size of its largest grains.
 
-    Grains of more than 0.64 m count as 0.64 m.
+    Grains of more than 0.64 m count as 0.64 m. With ``tile_m`` it repeats: square tiles of that side, all alike, with
+    joints of the gray ``joint``, ``joint_m`` wide, between them; mean and contrast are then those of a tile's face.
     """
 
     mean: float = 120.0
     contrast: float = 32.0
     grain_m: float = 0.15
+    tile_m: float | None = None
+    joint_m: float = 0.01
+    joint: float = 60.0
 
     def pixels(self, width: int, height: int, rng: np.random.Generator) -> Bytes:
         """Return gray uint8 (height, width) that tiles: octaves of noise from one texel up to ``grain_m``.
@@ -48,10 +52,26 @@ class Texture:
             grains = cv2.GaussianBlur(np.pad(white, RIM, mode="wrap"), (0, 0), BLUR_PX)[RIM:-RIM, RIM:-RIM]
             cv2.scaleAdd(grains, BLUR_GAIN * OCTAVE_GAIN ** (level + 1), total, total)
         total += white
+        if self.tile_m is not None:
+            side = _texels(self.tile_m)
+            total = total[:side, :side]
         total -= total.mean()
         total *= np.float32(self.contrast) / total.std()
         total += np.float32(self.mean)
+        if self.tile_m is not None:
+            total = self._laid(total, width, height)
         return np.clip(total, 0, 255, out=total).astype(np.uint8)
+
+    def _laid(self, face: Floats, width: int, height: int) -> Floats:
+        """Return tiles of this ``face`` and their joints, (height, width); the last ones may be cut."""
+        joint = _texels(self.joint_m)
+        face[:joint] = face[:, :joint] = self.joint
+        rows, cols = face.shape
+        return np.tile(face, (-(-height // rows), -(-width // cols)))[:height, :width]
+
+
+def _texels(length_m: float) -> int:
+    return max(round(length_m / TEXEL_M), 1)
 
 
 def _enlarged(field: Floats) -> Floats:

@@ -51,6 +51,7 @@ def test_a_closed_wall_that_crosses_itself_is_refused(points: str, tmp_path: Pat
     [
         "textures: {floor: {mean: 1e308}}",
         "textures: {floor: {grain_m: 1e-300}}",
+        "textures: {floor: {tile_m: 1e308}}",
         "view: {light_ratio: 1e308}",
         "obstacles: [{circle: {center_m: [5, 5], radius_m: 1}, moves: {through_m: [[6, 6]], speed_mps: 1e300}}]",
     ],
