@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import signal
 import subprocess
@@ -63,7 +64,9 @@ def test_large(targets: Targets, tmp_path: Path, pytestconfig: pytest.Config) ->
     """Measure in a network namespace of its own, where no other traffic is; print what arrived and what it took."""
     inside = [sys.executable, "-m", "tests.slow.test_large_pictures", str(tmp_path)]
     command = ["unshare", "-rn", "sh", "-c", f'{Bus.MAKE_ROUTE} && exec "$@"', "sh", *inside]
-    with subprocess.Popen(command, cwd=pytestconfig.rootpath, stdout=subprocess.PIPE, text=True) as process:
+    root = pytestconfig.rootpath
+    env = os.environ | {"PYTHONPATH": str(root / "tools")}  # where the test's own imports are found
+    with subprocess.Popen(command, cwd=root, env=env, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         for line in process.stdout:
             is_judged, good, text = json.loads(line)
