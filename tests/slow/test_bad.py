@@ -8,6 +8,7 @@ is the exception: it counts from any sender.
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -155,7 +156,8 @@ def _meet(rig: Rig, commands: CommandListener, channel: str, kind: str) -> Phase
     if kind in SENT:
         for_s = SPOILED_S if kind == SECOND_WRITER else FLOOD_S
         sender = [sys.executable, "-m", "tests.slow.bad_sender", rig.graph_url, channel, kind, str(for_s)]
-        phase.n_sent = subprocess.run(sender, check=True, capture_output=True, text=True).stdout.strip()
+        env = os.environ | {"PYTHONPATH": "tools"}  # where the sender's own imports are found
+        phase.n_sent = subprocess.run(sender, check=True, capture_output=True, text=True, env=env).stdout.strip()
     else:
         rig.corrupt(channel, kind)
         time.sleep(SPOILED_S)
