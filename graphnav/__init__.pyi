@@ -125,6 +125,9 @@ from .core.messages import (
     Potential as Potential,
 )
 from .core.messages import (
+    Scan as Scan,
+)
+from .core.messages import (
     State as State,
 )
 from .core.messages import (

@@ -1,4 +1,4 @@
-"""Stages of the family ``mapping``: from the view of a camera of known mounting to a map of the floor."""
+"""Stages of the family ``mapping``: from a camera of known mounting, or a lidar, to a map of the floor."""
 
 from graphnav import Stage, hookimpl
 
@@ -7,6 +7,7 @@ from graphnav import Stage, hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
     from graphnav_mapping.egomotion import Egomotion
+    from graphnav_mapping.lidar import Lidar
     from graphnav_mapping.local import Local
 
-    return [Egomotion, Local]
+    return [Egomotion, Lidar, Local]

@@ -1,4 +1,4 @@
-"""Stages of the family ``steer``: from the dominant plane to a driving direction."""
+"""Stages of the family ``steer``: from the dominant plane, a map or a scan to where to drive."""
 
 from graphnav import Stage, hookimpl
 
@@ -7,6 +7,7 @@ from graphnav import Stage, hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
     from graphnav_steer.balance import Balance
+    from graphnav_steer.follow_the_gap import FollowTheGap
     from graphnav_steer.forward import Forward
     from graphnav_steer.frontier import Frontier
     from graphnav_steer.gap import Gap
@@ -15,7 +16,22 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_steer.pca import Pca
     from graphnav_steer.picture_gap import PictureGap
     from graphnav_steer.random import Random
+    from graphnav_steer.rollout import Rollout
     from graphnav_steer.time_to_contact import TimeToContact
     from graphnav_steer.vfh import Vfh
 
-    return [Balance, Forward, Frontier, Gap, MeanGradient, Oracle, Pca, PictureGap, Random, TimeToContact, Vfh]
+    return [
+        Balance,
+        FollowTheGap,
+        Forward,
+        Frontier,
+        Gap,
+        MeanGradient,
+        Oracle,
+        Pca,
+        PictureGap,
+        Random,
+        Rollout,
+        TimeToContact,
+        Vfh,
+    ]

@@ -19,6 +19,7 @@ from graphnav import (
     Planar,
     Plane,
     Potential,
+    Scan,
     Scene,
     State,
     Steering,
@@ -27,6 +28,7 @@ from graphnav import (
 from graphnav.arrays import Bytes, Floats
 from graphnav_view.flow_colour import flow_scale_px
 from graphnav_view.maps.local_map import draw_local_map
+from graphnav_view.maps.scan import draw_scan
 from graphnav_view.video.camera_tiles import Stretch, camera_rgb, camera_tile, flow_tile, plane_tile, potential_tile
 from graphnav_view.video.map_tile import TopView, view_size_px
 
@@ -152,6 +154,12 @@ def _local_map(local: LocalMap, context: PictureContext) -> Bytes:
     return draw_local_map(local, stretch.rows, stretch.cols, with_colour=context.with_colour)
 
 
+def _scan(scan: Scan, context: PictureContext) -> Bytes:
+    _require_finite(scan)
+    side = max(1, min(context.rows, context.cols))
+    return draw_scan(scan, side, with_scale=context.with_legend and side >= _LEGEND_ROWS)
+
+
 def _from_above(world: Map, state: State | None, context: PictureContext) -> Bytes:
     _require_finite(world)
     if len(world.kind) > _MAX_BODIES:
@@ -182,6 +190,7 @@ _DRAWN: Mapping[type[Message], Callable[[Any, PictureContext], Bytes | None]] = 
     Map: _map,
     State: _state,
     LocalMap: _local_map,
+    Scan: _scan,
 }
 
 

@@ -1,4 +1,4 @@
-"""Simulated worlds that close the loop: `world.pymunk`, and `world.robot`, a robot on a bus."""
+"""Simulated worlds that close the loop: `world.pymunk`, `world.lidar`, and `world.robot`, a robot on a bus."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from graphnav import FileFormat, Stage, hookimpl
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family ``world``."""
+    from graphnav_world.lidar import Lidar
     from graphnav_world.robot import Robot
     from graphnav_world.world import Pymunk
 
-    return [Pymunk, Robot]
+    return [Lidar, Pymunk, Robot]
 
 
 @hookimpl

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from graphnav import Finished, Goal, Image, Latest, Map, Motion, Stamp, State, Truth, Twist, param
 from graphnav_world.delay_line import DelayLine
@@ -13,27 +13,21 @@ from graphnav_world.odometry import displacement
 from graphnav_world.vehicle import Pose, Vehicle
 
 
-class WorldOutputs(NamedTuple):
-    """Outputs of the world at a tick: ``map`` at the first, ``motion`` and ``truth`` (if it is read) after it."""
+class Tick(NamedTuple):
+    """Where a firing has driven, and what it publishes of that; ``ends``: the outcome that ends the run, or None."""
 
-    image: Image
+    pose: Pose
+    time_s: float
+    interval_us: int
     motion: Motion | None
     state: State
-    truth: Truth | None
     goal: Goal | None
     map: Map | None
+    ends: Literal["contact", "goal"] | None
 
 
-class Pymunk(MobileRobot):
-    """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
-
-    Each firing drives the period since the last frame with the command sampled then, renders the camera image, and
-    publishes it, with its ground truth if that is read. It ends the run with ``goal`` when the robot's centre is in the
-    map's goal region, and with ``contact`` at the first touch.
-
-    Everything has the stamp of the frame: truth, state and the middle of the exposure. With ``command_latency_s`` a
-    command acts that long after the last frame, which need not be a multiple of the period.
-    """
+class SingleRate(MobileRobot):
+    """A round robot that drives by one command a firing, and publishes all that it measures with one stamp."""
 
     command_timeout_s: float | None = param(
         None, gt=0.0, le=1e6, doc="age beyond which a command counts as Twist(0, 0); null never expires commands"
@@ -48,8 +42,8 @@ class Pymunk(MobileRobot):
         self._late_motion = LateMotion(self.odometry_delay_frames)
         self._pose, self._wheels = self._vehicle.pose, self._vehicle.wheels
 
-    def step(self, command: Latest[Twist], utime: Stamp) -> WorldOutputs:
-        """Drive until now, render, and publish."""
+    def _tick(self, command: Latest[Twist], utime: int) -> Tick:
+        """Drive until now, and measure."""
         first = self._begin_us is None
         if self._begin_us is None:
             self._begin_us = self._last_us = utime
@@ -59,18 +53,17 @@ class Pymunk(MobileRobot):
             self._pose = self._drive.advance(self._obeyed(command), last_us, now_us)
         pose = self._pose
         interval_us, self._last_us = utime - self._last_us, utime
-        image, truth = self._look(pose, time_s, interval_us)
-        outputs = WorldOutputs(
-            image=image,
+        state = self._state(pose, time_s)
+        return Tick(
+            pose=pose,
+            time_s=time_s,
+            interval_us=interval_us,
             motion=None if first else self._motion(interval_us),
-            state=self._state(pose, time_s),
-            truth=truth,
+            state=state,
             goal=self._beacon(pose),
             map=self._map() if first else None,
+            ends="contact" if pose.contact else "goal" if state.at_goal else None,
         )
-        if pose.contact or outputs.state.at_goal:
-            raise Finished("contact" if pose.contact else "goal", outputs)
-        return outputs
 
     def _obeyed(self, command: Latest[Twist]) -> Twist:
         stale = self.command_timeout_s is not None and command.age_s > self.command_timeout_s
@@ -82,6 +75,38 @@ class Pymunk(MobileRobot):
         moved, interval_us = self._late_motion.next(displacement(then, self._wheels), interval_us)
         [(forward_m, left_m, turn_rad)] = self._errors.read((moved, interval_us / 1e6))
         return Motion(forward_m=forward_m, left_m=left_m, turn_rad=turn_rad, interval_us=interval_us)
+
+
+class WorldOutputs(NamedTuple):
+    """Outputs of the world at a tick: ``map`` at the first, ``motion`` and ``truth`` (if it is read) after it."""
+
+    image: Image
+    motion: Motion | None
+    state: State
+    truth: Truth | None
+    goal: Goal | None
+    map: Map | None
+
+
+class Pymunk(SingleRate):
+    """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
+
+    Each firing drives the period since the last frame with the command sampled then, renders the camera image, and
+    publishes it, with its ground truth if that is read. It ends the run with ``goal`` when the robot's centre is in the
+    map's goal region, and with ``contact`` at the first touch.
+
+    Everything has the stamp of the frame: truth, state and the middle of the exposure. With ``command_latency_s`` a
+    command acts that long after the last frame, which need not be a multiple of the period.
+    """
+
+    def step(self, command: Latest[Twist], utime: Stamp) -> WorldOutputs:
+        """Drive until now, render, and publish."""
+        tick = self._tick(command, utime)
+        image, truth = self._look(tick.pose, tick.time_s, tick.interval_us)
+        outputs = WorldOutputs(image, tick.motion, tick.state, truth, tick.goal, tick.map)
+        if tick.ends:
+            raise Finished(tick.ends, outputs)
+        return outputs
 
 
 class LateDrive:

@@ -15,6 +15,7 @@ from graphnav.core.messages.robot import (
     Twist,
 )
 from graphnav.core.messages.run import About, Fired, Gap, Status
+from graphnav.core.messages.scan import Scan
 from graphnav.core.messages.vision import Components, Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "PlanarModel",
     "Plane",
     "Potential",
+    "Scan",
     "State",
     "Status",
     "Steering",

@@ -10,7 +10,7 @@ import numpy as np
 
 from graphnav.core.codec import fields_of, lcm_name
 from graphnav.core.errors import printable, shown_name
-from graphnav.watch.export.entries.entries import Entry, Level, Line, Picture, Scalars
+from graphnav.watch.export.entries.entries import Beams, Entry, Level, Line, Picture, Scalars
 from graphnav.watch.export.entries.topics import Topics
 from graphnav.watch.export.extras import require
 from graphnav.watch.export.files import QuietFile
@@ -20,6 +20,7 @@ from graphnav.watch.export.foxglove_scene import (
     POSE_TOPIC,
     ROBOT_TOPIC,
     TRANSFORM_TOPIC,
+    scan_message,
     scene_messages,
 )
 from graphnav.watch.export.scalar_fields import has_few_elements
@@ -64,9 +65,9 @@ class McapFile:
 class FoxgloveChannels:
     """Logs entries, with their timestamps, to a ``context`` of the SDK, which feeds files and servers.
 
-    Topics: a channel's scalars as JSON on ``/stage/port``, its pictures (PNG) on ``/stage/port/picture``; the map, the
-    path and the robot on ``/scene/...`` and ``/tf``; lines of text on ``/log``. A topic is created with its first
-    message, or earlier by ``offer...``, so that clients can subscribe.
+    Topics: a channel's scalars as JSON on ``/stage/port``, its pictures (PNG) on ``/stage/port/picture``, its scans as
+    LaserScan on ``/stage/port/beams``; the map, the path and the robot on ``/scene/...`` and ``/tf``; lines of text on
+    ``/log``. A topic is created with its first message, or earlier by ``offer...``, so that clients can subscribe.
     """
 
     def __init__(self, context: Any) -> None:
@@ -85,6 +86,10 @@ class FoxgloveChannels:
         """Return the topic of a channel's pictures."""
         return self._topics.picture_of(channel)
 
+    def beams_topic(self, channel: str) -> str:
+        """Return the topic of a channel's scans."""
+        return self._topics.beams_of(channel)
+
     def offer(self, topic: str) -> None:
         """Create one of `TOPICS`."""
         self._typed(topic, TOPICS[topic])
@@ -99,6 +104,10 @@ class FoxgloveChannels:
         """Create the topic of a channel's pictures."""
         self._typed(self.picture_topic(channel), "CompressedImage")
 
+    def offer_beams(self, channel: str) -> None:
+        """Create the topic of a channel's scans."""
+        self._typed(self.beams_topic(channel), "LaserScan")
+
     def withdraw(self, topic: str) -> None:
         """Close a topic, if it exists."""
         if (ended := self._channels.pop(topic, None)) is not None:
@@ -108,6 +117,7 @@ class FoxgloveChannels:
         """Close the topics of a channel."""
         self.withdraw(self.scalars_topic(channel))
         self.withdraw(self.picture_topic(channel))
+        self.withdraw(self.beams_topic(channel))
         self._topics.forget(channel)
 
     def is_wanted(self, topic: str) -> bool:
@@ -129,6 +139,9 @@ class FoxgloveChannels:
                 format="png",
             )
             self._log(self.picture_topic(entry.channel), picture, entry.utime)
+        elif isinstance(entry, Beams):
+            scan = scan_message(self._types, entry, self._stamp(entry.utime))
+            self._log(self.beams_topic(entry.channel), scan, entry.utime)
         elif isinstance(entry, Line):
             line = self._types.Log(
                 timestamp=self._stamp(entry.utime),

@@ -1,4 +1,4 @@
-"""The map, the robot and its path as messages for Foxglove's 3D panel."""
+"""The map, the robot, its path and its scans as messages for Foxglove's 3D panel."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from graphnav.arrays import Doubles, Ints
-from graphnav.watch.export.entries.entries import Path, Pose, Robot, World
+from graphnav.watch.export.entries.entries import Beams, Path, Pose, Robot, World
 from graphnav.watch.export.entries.solids import Rgb, Solid, bodies_of, goal_of, path_of, robot_of
 
 WORLD, ROBOT = "world", "robot"
@@ -28,6 +28,19 @@ def scene_messages(types: Any, entry: World | Robot | Pose | Path, stamp: Any) -
         yield from scene.pose(entry)
     else:
         yield PATH_TOPIC, scene.path(entry)
+
+
+def scan_message(types: Any, entry: Beams, stamp: Any) -> Any:
+    """Return a scan in the robot's frame; ``types``: the module ``foxglove.messages``, ``stamp``: its Timestamp."""
+    scan = entry.scan
+    return types.LaserScan(
+        timestamp=stamp,
+        frame_id=ROBOT,
+        pose=_Scene(types, stamp).pose_at(0.0, 0.0, 0.0),
+        start_angle=scan.angle_min_rad,
+        end_angle=scan.angle_min_rad + (len(scan.ranges_m) - 1) * scan.angle_increment_rad,
+        ranges=scan.ranges_m.tolist(),
+    )
 
 
 class _Scene:
@@ -61,7 +74,7 @@ class _Scene:
         yield (
             POSE_TOPIC,
             self._types.PoseInFrame(
-                timestamp=self._stamp, frame_id=WORLD, pose=self._pose(entry.x_m, entry.y_m, entry.yaw_rad)
+                timestamp=self._stamp, frame_id=WORLD, pose=self.pose_at(entry.x_m, entry.y_m, entry.yaw_rad)
             ),
         )
         yield TRANSFORM_TOPIC, self._transform(ROBOT, entry.x_m, entry.y_m, entry.yaw_rad)
@@ -85,7 +98,7 @@ class _Scene:
 
     def _triangles(self, vertices: Doubles, triangles: Ints, colour: Rgb) -> Any:
         return self._types.TriangleListPrimitive(
-            pose=self._pose(0.0, 0.0, 0.0),
+            pose=self.pose_at(0.0, 0.0, 0.0),
             points=self._points(vertices),
             color=self._colour(colour, 0.6),
             indices=triangles.ravel().tolist(),
@@ -94,7 +107,7 @@ class _Scene:
     def _line(self, points: Doubles, colour: Rgb) -> Any:
         return self._types.LinePrimitive(
             type=self._types.LinePrimitiveLineType.LineStrip,
-            pose=self._pose(0.0, 0.0, 0.0),
+            pose=self.pose_at(0.0, 0.0, 0.0),
             thickness=_LINE_PX,
             scale_invariant=True,
             points=self._points(points),
@@ -107,7 +120,8 @@ class _Scene:
             timestamp=self._stamp, parent_frame_id=WORLD, child_frame_id=frame, translation=pose[0], rotation=pose[1]
         )
 
-    def _pose(self, x_m: float, y_m: float, yaw_rad: float) -> Any:
+    def pose_at(self, x_m: float, y_m: float, yaw_rad: float) -> Any:
+        """Return a pose on the floor."""
         position, orientation = self._pose_parts(x_m, y_m, yaw_rad)
         return self._types.Pose(position=position, orientation=orientation)
 

@@ -7,8 +7,10 @@ from pathlib import Path as FilePath
 from typing import Any
 from uuid import uuid4
 
+import numpy as np
+
 from graphnav import Flow, Image, Map, Message, Planar, Plane, Potential, State, Steering, Truth, Twist
-from graphnav.watch.export.entries.entries import Entry, Level, Line, Path, Picture, Pose, Robot, Scalars, World
+from graphnav.watch.export.entries.entries import Beams, Entry, Level, Line, Path, Picture, Pose, Robot, Scalars, World
 from graphnav.watch.export.entries.solids import Rgb, Solid, bodies_of, goal_of, path_of, robot_of
 from graphnav.watch.export.entries.topics import PICTURE, parts_of
 from graphnav.watch.export.extras import require
@@ -29,6 +31,9 @@ _PLOTS: tuple[tuple[str, type[Message], tuple[str, ...]], ...] = (
 _APPLICATION, _TIMELINE = "graphnav", "time"
 _SCENE, _MAP, _ROBOT, _PATH, _LOG_ENTITY = "scene", "scene/map", "scene/robot", "scene/path", "log"
 _LEVELS = {Level.INFO: "INFO", Level.WARNING: "WARN", Level.ERROR: "ERROR"}
+_HIT = (214, 39, 40)
+_POINT = -2.0
+"""Radius of the points of a scan: negative are those of the screen."""
 _STAMPS = {"utime", "seq"}
 _BATCH = 4096
 
@@ -94,6 +99,8 @@ class RerunFile:
         if isinstance(entry, Picture):
             image = self._rr.EncodedImage(contents=entry.png(), media_type="image/png")
             self._stream.log([*parts_of(entry.channel), PICTURE], image)
+        elif isinstance(entry, Beams):
+            self._scene.add_beams(entry)
         elif isinstance(entry, Line):
             text = f"{entry.source}: {entry.text}"
             self._stream.log(_LOG_ENTITY, self._rr.TextLog(text, level=_LEVELS[entry.level]))
@@ -179,6 +186,12 @@ class RerunScene:
     def _add_robot(self, entry: Robot) -> None:
         for name, solid in zip(("outline", "seen"), robot_of(entry), strict=False):
             self._stream.log(f"{_ROBOT}/{name}", self._lines(solid), static=True)
+
+    def add_beams(self, entry: Beams) -> None:
+        """Log what the beams of a scan hit, at the current time of the stream; the points move with the robot."""
+        points = np.pad(entry.scan.points_m(), ((0, 0), (0, 1)))
+        cloud = self._rr.Points3D(points, radii=_POINT, colors=[_HIT])
+        self._stream.log([*_ROBOT.split("/"), *parts_of(entry.channel)], cloud)
 
     def _lines(self, solid: Solid) -> Any:
         return self._rr.LineStrips3D(solid.lines, colors=[_bytes(solid.colour)] * len(solid.lines))

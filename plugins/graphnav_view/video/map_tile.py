@@ -37,7 +37,7 @@ class TopView:
         self._line_px, self._min_radius_px = (1, 2) if is_small else (2, 4)
         self._ground = self._background(cols, rows)
         if with_scale:
-            self._scale_bar(self._ground)
+            draw_scale_bar(self._ground, self._per_m)
 
     def draw(self, state: State | None, path_m: Doubles) -> Bytes:
         """Return the tile, (rows, cols, 3) RGB: the world, and the robot in ``state`` with its path so far."""
@@ -67,12 +67,6 @@ class TopView:
             self._fill(tile, area)
         return tile
 
-    def _scale_bar(self, tile: Bytes) -> None:
-        """Draw a scale of one metre into the lower left corner, on its own background."""
-        length, low = round(self._per_m), tile.shape[0] - 12
-        write(tile, "1 m", (12, low - 6), (20, 20, 20), ground=style.rgb(style.FLOOR))
-        cv2.line(tile, (12, low), (12 + length, low), (20, 20, 20), 3)
-
     def _fill(self, tile: Bytes, area: SceneArea) -> None:
         below = tile.copy() if area.opacity_ratio < 1 else tile
         cv2.fillPoly(tile, [self._to_px(area.outline_m)[:, None]], style.rgb(area.colour), cv2.LINE_AA, _SHIFT)
@@ -83,6 +77,13 @@ class TopView:
         """Return points of W in the tile's pixels, times 2**_SHIFT."""
         away = (points_m - self._middle_m) * self._per_m * np.array([1.0, -1.0])
         return np.asarray(np.round((away + self._middle_px) * 2**_SHIFT), np.int32)
+
+
+def draw_scale_bar(tile: Bytes, per_m: float) -> None:
+    """Draw a scale of one metre into the lower left corner, on its own background; ``per_m``: pixels a metre."""
+    length, low = round(per_m), tile.shape[0] - 12
+    write(tile, "1 m", (12, low - 6), (20, 20, 20), ground=style.rgb(style.FLOOR))
+    cv2.line(tile, (12, low), (12 + length, low), (20, 20, 20), 3)
 
 
 def view_size_px(scene: Scene, path_m: Doubles, moving: Doubles, cols: int, rows: int) -> tuple[int, int]:

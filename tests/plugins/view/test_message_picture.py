@@ -22,6 +22,7 @@ from graphnav import (
     Plane,
     Potential,
     Recording,
+    Scan,
     State,
     Steering,
     Twist,
@@ -35,7 +36,7 @@ from graphnav.core.pictures import Pictures
 
 from .conftest import Drive, write_log
 
-KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth, Components, LocalMap)
+KINDS = (Image, Flow, Plane, Potential, State, Map, Steering, Planar, Truth, Components, LocalMap, Scan)
 Messages = dict[type[Message], Message]
 
 
@@ -58,6 +59,7 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Messages:
     assert isinstance(plane, Plane)
     found[Planar] = Planar(flow.uv_px, flow.valid, flow.uv_px[..., 0], 100_000)
     found[LocalMap] = _small()[LocalMap]
+    found[Scan] = _small()[Scan]
     obstacle = plane.obstacle
     identity, variances = np.eye(2), np.array([0.1, 1.0])
     found[Components] = Components(flow.uv_px, -flow.uv_px, identity, variances, 1, flow.valid, 1)
@@ -308,5 +310,6 @@ def _small() -> Messages:
         Planar: Planar(uv, valid, uv[..., 0], 1),
         Truth: Truth(valid, uv[..., 0], uv, 1),
         LocalMap: LocalMap(0.1, -0.3, -0.2, 0.0, 0.1, 0.5, states, uv[..., 0], uv[..., 0]),
+        Scan: Scan(-1.0, 0.25, 0.1, 3.0, np.array([1, 2, np.inf, np.nan, 0, 4, 1, 2], np.float32)),
         Components: Components(uv, 2 * uv, np.eye(2), np.array([0.1, 1.0]), 1, valid, 1),
     }

@@ -16,7 +16,7 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from PIL import Image as PillowImage
 
-from graphnav import Image, Map, Odometry, State, Twist
+from graphnav import Image, Map, Odometry, Scan, State, Twist
 from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.record import LogWriter, Recording
@@ -209,3 +209,16 @@ def test_a_channel_may_be_called_as_a_topic_is(tmp_path: Path, name: str) -> Non
     assert all(len({m.schema for m in found if m.topic == topic}) == 1 for topic in {m.topic for m in found})
     assert all(m.topic.isprintable() for m in found)
     assert sum(m.schema == "foxglove.CompressedImage" for m in found) == 2
+
+
+def test_a_scan_is_a_laser_scan_in_the_robot_s_frame(tmp_path: Path) -> None:
+    ranges = np.array([1.0, math.inf, 2.5], np.float32)
+    scan = Scan(-0.5, 0.5, 0.1, 10.0, ranges)
+    with LogWriter(tmp_path / "scan.lcmlog") as log:
+        log.write("robot.scan", 200_000, encode(scan, 200_000, 0))
+    assert main(["export", str(tmp_path / "scan.lcmlog"), "--to", "mcap", "-o", str(tmp_path / "scan.mcap")]) == 0
+    (found,) = [one for one in read(tmp_path / "scan.mcap") if one.topic == "/robot/scan/beams"]
+    assert (found.schema, found.log_time) == ("foxglove.LaserScan", 200_000_000)
+    assert found.message.frame_id == "robot"
+    assert (found.message.start_angle, found.message.end_angle) == (-0.5, 0.5)
+    assert list(found.message.ranges) == [1.0, math.inf, 2.5]

@@ -10,9 +10,10 @@ import sysconfig
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 
-from graphnav import Odometry, Twist
+from graphnav import Odometry, Scan, Twist
 from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.record import LogWriter, Recording
@@ -84,6 +85,15 @@ def test_names_and_numbers_of_any_program_are_survived(tmp_path: Path) -> None:
         assert main(["export", str(tmp_path / "log"), "--to", kind, "-o", str(tmp_path / kind)]) == 0
     assert "verified without error" in rerun(tmp_path, "rrd", "verify", tmp_path / "rrd")
     assert rows(tmp_path, tmp_path / "rrd")["/scene/robot"] == 1
+
+
+def test_a_scan_moves_with_the_robot(tmp_path: Path) -> None:
+    scan = Scan(-0.5, 0.5, 0.1, 10.0, np.array([1.0, math.inf, 2.5], np.float32))
+    with LogWriter(tmp_path / "log") as log:
+        log.write("robot.scan", 5, encode(scan, 5, 0))
+    assert main(["export", str(tmp_path / "log"), "--to", "rrd", "-o", str(tmp_path / "rrd")]) == 0
+    assert "verified without error" in rerun(tmp_path, "rrd", "verify", tmp_path / "rrd")
+    assert rows(tmp_path, tmp_path / "rrd")["/scene/robot/robot/scan"] == 1
 
 
 def test_nothing_is_sent_over_the_network(drive: Path, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The types of entries: pictures, scalars, the map, poses, the path, lines of text."""
+"""The types of entries: pictures, scans, scalars, the map, poses, the path, lines of text."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from PIL import Image as PillowImage
 
-from graphnav import Scene, SceneArea
+from graphnav import Scan, Scene, SceneArea
 from graphnav.arrays import Bytes, Doubles
 
 _PNG_LEVEL = 3
@@ -37,6 +37,15 @@ class Picture:
         file = io.BytesIO()
         PillowImage.fromarray(self.pixels).save(file, "PNG", compress_level=_PNG_LEVEL)
         return file.getvalue()
+
+
+@dataclass(frozen=True)
+class Beams:
+    """The scan of a lidar, in the robot's frame."""
+
+    channel: str
+    utime: int
+    scan: Scan
 
 
 @dataclass(frozen=True)
@@ -95,4 +104,4 @@ class Line:
     source: str
 
 
-Entry = Picture | Scalars | World | Robot | Pose | Path | Line
+Entry = Picture | Beams | Scalars | World | Robot | Pose | Path | Line

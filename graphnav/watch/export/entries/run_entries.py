@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from graphnav import Map, Odometry, Scene, State
+from graphnav import Map, Odometry, Scan, Scene, State
 from graphnav.core.pictures import Pictures
-from graphnav.watch.export.entries.entries import Entry, Level, Line, Scalars, World
+from graphnav.watch.export.entries.entries import Beams, Entry, Level, Line, Scalars, World
 from graphnav.watch.export.entries.event_lines import Lines, heading, outcome_lines
 from graphnav.watch.export.entries.message_entries import MessageEntries
 from graphnav.watch.export.log_pass import LogPass
@@ -85,6 +85,8 @@ class RunEntries:
         yield from self._lines.of(sample.channel, sample.utime, message)
         if sample.channel == self._walk.pose_channel and isinstance(message, State | Odometry):
             yield from self._pose(sample.utime, message)
+        if isinstance(message, Scan):
+            yield Beams(sample.channel, sample.utime, message)
         if (picture := self._messages.picture(sample.channel, sample.utime, message)) is not None:
             yield picture
 

@@ -9,6 +9,9 @@ from graphnav.core.errors import shown_name
 
 PICTURE = "picture"
 """The last part of the topic of a channel's pictures."""
+BEAMS = "beams"
+"""The last part of the topic of a channel's scans."""
+_BELOW = (PICTURE, BEAMS)
 
 _STAGE_PORT = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\.[A-Za-z_][A-Za-z0-9_]*")
 
@@ -19,7 +22,7 @@ def parts_of(channel: str) -> tuple[str, ...]:
 
 
 class Topics:
-    """A topic for each channel: ``/plane/plane`` for ``plane.plane``, and one below it for its pictures.
+    """A topic for each channel: ``/plane/plane`` for ``plane.plane``, and below it one for its pictures or scans.
 
     All topics are unique and differ from the ``reserved`` ones, for any channel names; control characters are escaped.
     """
@@ -32,9 +35,9 @@ class Topics:
         """Return the topic of a channel's scalars."""
         if channel not in self._topics:
             topic = "/" + shown_name("/".join(parts_of(channel))).lstrip("/")
-            while not self._taken.isdisjoint((topic, f"{topic}/{PICTURE}")):
+            while not self._taken.isdisjoint(_with_below(topic)):
                 topic += "_"
-            self._taken.update((topic, f"{topic}/{PICTURE}"))
+            self._taken.update(_with_below(topic))
             self._topics[channel] = topic
         return self._topics[channel]
 
@@ -42,8 +45,16 @@ class Topics:
         """Return the topic of a channel's pictures."""
         return f"{self.of(channel)}/{PICTURE}"
 
+    def beams_of(self, channel: str) -> str:
+        """Return the topic of a channel's scans."""
+        return f"{self.of(channel)}/{BEAMS}"
+
     def forget(self, channel: str) -> None:
         """Release the topics of a channel for other channels."""
         topic = self._topics.pop(channel, None)
         if topic is not None:
-            self._taken.difference_update((topic, f"{topic}/{PICTURE}"))
+            self._taken.difference_update(_with_below(topic))
+
+
+def _with_below(topic: str) -> tuple[str, ...]:
+    return topic, *(f"{topic}/{part}" for part in _BELOW)

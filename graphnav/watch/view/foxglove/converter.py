@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Iterable
 
-from graphnav import About, GraphnavError, Map, Message, Odometry, Scene, State
+from graphnav import About, GraphnavError, Map, Message, Odometry, Scan, Scene, State
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of
 from graphnav.core.pictures import Pictures
 from graphnav.core.record import kind_of
-from graphnav.watch.export.entries.entries import Level, Line, Scalars, World
+from graphnav.watch.export.entries.entries import Beams, Level, Line, Scalars, World
 from graphnav.watch.export.entries.event_lines import LINE_TYPES, Lines, heading
 from graphnav.watch.export.entries.message_entries import MessageEntries
 from graphnav.watch.export.foxglove import LOG_TOPIC, TOPICS, FoxgloveChannels
@@ -162,7 +162,10 @@ class Converter:
             self.losses.add(Reason.UNDECODABLE, channel.name)
             return
         if channel.topics[-1] in topics and channel.topics[-1] != scalars_topic:
-            self._show_picture(channel, arrival.utime, message)
+            if isinstance(message, Scan):
+                self._foxglove.add(Beams(channel.name, arrival.utime, message))
+            else:
+                self._show_picture(channel, arrival.utime, message)
         if LOG_TOPIC in topics:
             self.tell(self._lines.of(channel.name, arrival.utime, message))
         if not set(_POSE_TOPICS).isdisjoint(topics) and isinstance(message, State | Odometry):

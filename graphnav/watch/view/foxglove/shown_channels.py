@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from graphnav import About, Message
+from graphnav import About, Message, Scan
 from graphnav.core.codec import type_named
 from graphnav.watch.export.entries.message_entries import may_have_picture
 from graphnav.watch.export.foxglove import FoxgloveChannels
@@ -75,6 +75,9 @@ class ShownChannels:
         if may_have_picture(message_type):
             self._foxglove.offer_picture(name)
             topics.append(self._foxglove.picture_topic(name))
+        if message_type is not None and issubclass(message_type, Scan):
+            self._foxglove.offer_beams(name)
+            topics.append(self._foxglove.beams_topic(name))
         channel = self._by_name[name] = ShownChannel(name, lcm_class, message_type, tuple(topics))
         self._by_topic.update(dict.fromkeys(topics, channel))
         return channel
