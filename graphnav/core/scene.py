@@ -11,16 +11,24 @@ import numpy as np
 from graphnav.arrays import Doubles
 from graphnav.core.messages import Map
 
-_COLOURS = {"goal": "#5aa469", "wall": "#4c566a", "obstacle": "#c98a4b", "moving": "#8f6bb3", "seen": "#2a9df4"}
+_COLOURS = {
+    "goal": "#5aa469",
+    "wall": "#4c566a",
+    "obstacle": "#c98a4b",
+    "moving": "#8f6bb3",
+    "robot": "#1d3557",
+    "seen": "#2a9df4",
+}
 _OPACITY = {"goal": 0.4, "seen": 0.25}
-_ROLES = {Map.WALL: "wall", Map.OBSTACLE: "obstacle", Map.MOVING: "moving"}
+_ROLES = {Map.WALL: "wall", Map.OBSTACLE: "obstacle", Map.MOVING: "moving", Map.ROBOT: "robot"}
 
 
 @dataclass(frozen=True)
 class SceneArea:
     """A part of a map in top view.
 
-    ``role``: goal, wall, obstacle, moving (an obstacle that moves) or seen (what the camera sees of the floor).
+    ``role``: goal, wall, obstacle, moving (an obstacle that moves), robot (its body, where that is not a disc) or seen
+    (what the camera sees of the floor).
     ``outline_m``: float64 (n, 2), with three vertices or more. ``height_m``: of a body, 0 for marks on the floor.
     """
 
@@ -50,7 +58,7 @@ class Scene:
 
     ``fixed``: goal, walls, obstacles in W, in the order in which they are painted. ``moving``: moving obstacles in
     their own frames, None for one that is left out, so that poses find theirs. ``seen``: what the camera sees of the
-    floor in R, None without a camera.
+    floor in R, None without a camera. ``robot``: its body in R, None for a disc of ``robot_radius_m``.
     """
 
     def __init__(self, world: Map) -> None:
@@ -68,6 +76,7 @@ class Scene:
         fixed = [goal, *(area for wanted in ("wall", "obstacle") for role, area in bodies if role == wanted)]
         self.fixed = tuple(area for area in fixed if area is not None)
         self.moving = tuple(area for role, area in bodies if role == "moving")
+        self.robot = next((area for role, area in bodies if role == "robot"), None)
         self.seen = _area("seen", world.footprint_m, 0.0)
         self.start = world.start
         self.robot_radius_m = world.robot_radius_m

@@ -24,7 +24,7 @@ class map_t(object):
         """ LCM Type: int32_t """
         self.kind = b""
         """
-        0 wall, 1 obstacle, 2 moving obstacle.
+        0 wall, 1 obstacle, 2 moving obstacle, 3 the robot itself, where it is not a disc; it comes last.
         LCM Type: byte[n_bodies]
         """
 
@@ -34,7 +34,7 @@ class map_t(object):
         """ LCM Type: int32_t """
         self.vertices_m = []
         """
-        Outlines of the bodies in top view, in the world frame (moving ones: in their own frame).
+        Outlines of the bodies in top view, in the world frame (moving ones and the robot: in their own frame).
         LCM Type: double[n_vertices][2]
         """
 
@@ -59,7 +59,11 @@ class map_t(object):
         """
 
         self.robot_radius_m = 0.0
-        """ LCM Type: double """
+        """
+        Of the robot: of a body that is not a disc, the radius of the circle around it.
+        LCM Type: double
+        """
+
         self.shortest_m = 0.0
         """
         Length of the shortest path from start to goal for this robot; 0 without a goal.

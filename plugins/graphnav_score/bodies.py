@@ -52,6 +52,41 @@ def nearest_m(ends_m: Doubles, begin_rad: float, end_rad: float) -> Doubles:
     ``ends_m``: (2, edges, 2). The sector runs counterclockwise from ``begin_rad`` to ``end_rad``, at most half a turn.
     """
     begin, along = ends_m[0], ends_m[1] - ends_m[0]
+    first, last = _shares_within(ends_m, begin_rad, end_rad)
+    squares = np.einsum("ei,ei->e", along, along)
+    foot = -np.einsum("ei,ei->e", begin, along) / np.where(squares > 0, squares, 1.0)
+    nearest = begin + np.clip(foot, first, np.maximum(last, first))[:, None] * along
+    return np.where(first <= last, np.hypot(nearest[:, 0], nearest[:, 1]), np.inf)
+
+
+def nearest_to_m(outline_m: Doubles, ends_m: Doubles, begin_rad: float, end_rad: float) -> Doubles:
+    """Return how far each edge is from a convex outline (n, 2) that it does not cross, within a sector as `nearest_m`.
+
+    The nearest points of two that do not cross include a vertex of one of them.
+    """
+    first, last = _shares_within(ends_m, begin_rad, end_rad)
+    begin, along = ends_m[0], ends_m[1] - ends_m[0]
+    parts = np.stack([begin + share[:, None] * along for share in (first, np.maximum(last, first))])
+    sides = np.stack([outline_m, np.roll(outline_m, -1, axis=0)])
+    from_ends = [_distances_m(end[:, None], sides[:, None]) for end in parts]
+    from_corners = _distances_m(outline_m[None], parts[:, :, None])
+    found = np.concatenate([*from_ends, from_corners], axis=1).min(axis=1)
+    return np.where(first <= last, found, np.inf)
+
+
+def _distances_m(points: Doubles, ends: Doubles) -> Doubles:
+    """Return how far ``points`` (..., 2) are from segments whose ``ends`` are (2, ..., 2); they broadcast."""
+    begin, along = ends[0], ends[1] - ends[0]
+    squares = np.maximum((along * along).sum(axis=-1), 1e-18)
+    share = np.clip(((points - begin) * along).sum(axis=-1) / squares, 0.0, 1.0)
+    away = points - begin - share[..., None] * along
+    distances: Doubles = np.hypot(away[..., 0], away[..., 1])
+    return distances
+
+
+def _shares_within(ends_m: Doubles, begin_rad: float, end_rad: float) -> tuple[Doubles, Doubles]:
+    """Return from where to where each edge runs in a sector, as shares of its length; the last is less if nowhere."""
+    begin, along = ends_m[0], ends_m[1] - ends_m[0]
     first, last = np.zeros(len(begin)), np.ones(len(begin))
     # A point p is in the sector if it is left of its first side and right of its last one: n.p >= 0 for both normals.
     for normal in (
@@ -64,7 +99,4 @@ def nearest_m(ends_m: Doubles, begin_rad: float, end_rad: float) -> Doubles:
         first = np.where(growth > 0, np.maximum(first, crossing), first)
         last = np.where(growth < 0, np.minimum(last, crossing), last)
         last = np.where((growth == 0) & (inside < 0), -1.0, last)
-    squares = np.einsum("ei,ei->e", along, along)
-    foot = -np.einsum("ei,ei->e", begin, along) / np.where(squares > 0, squares, 1.0)
-    nearest = begin + np.clip(foot, first, np.maximum(last, first))[:, None] * along
-    return np.where(first <= last, np.hypot(nearest[:, 0], nearest[:, 1]), np.inf)
+    return first, last

@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping
 
 from graphnav import Map, Metric, State
-from graphnav_score.bodies import Bodies, nearest_m
+from graphnav.arrays import Doubles
+from graphnav_score.bodies import Bodies, nearest_m, nearest_to_m
 
 METRICS = (
     Metric(
@@ -37,8 +38,8 @@ class SectorClearance:
     """The minimum clearance ahead and to the sides of a drive through one map."""
 
     def __init__(self, world: Map) -> None:
-        self._bodies = Bodies(world)
-        self._radius_m = world.robot_radius_m
+        self._bodies = Bodies(world.surroundings())
+        self._radius_m, self._outline_m = world.robot_radius_m, world.robot_outline_m
         self._min_m = {metric.name: math.inf for metric in METRICS}
 
     def add(self, state: State, driven_m: float) -> None:
@@ -51,8 +52,14 @@ class SectorClearance:
             return
         ends_m = self._bodies.edges_m(state)
         for name, eighths in sectors:
-            distances_m = (nearest_m(ends_m, begin * _EIGHTH, (begin + 2) * _EIGHTH).min() for begin in eighths)
-            self._min_m[name] = min(self._min_m[name], max(float(min(distances_m)) - self._radius_m, 0.0))
+            distances_m = (self._clearance_m(ends_m, begin * _EIGHTH, (begin + 2) * _EIGHTH) for begin in eighths)
+            self._min_m[name] = min(self._min_m[name], max(min(distances_m), 0.0))
+
+    def _clearance_m(self, ends_m: Doubles, begin_rad: float, end_rad: float) -> float:
+        """Return how far the nearest edge in a sector is from the rim: from the outline of a robot that is no disc."""
+        if self._outline_m is None:
+            return float(nearest_m(ends_m, begin_rad, end_rad).min()) - self._radius_m
+        return float(nearest_to_m(self._outline_m, ends_m, begin_rad, end_rad).min())
 
     def metrics(self) -> Mapping[str, float]:
         """Return the metrics that are defined."""

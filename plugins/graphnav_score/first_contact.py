@@ -56,7 +56,7 @@ class FirstContact:
     def add(self, state: State, world: Map | None, time_s: float) -> None:
         """Look at the next state."""
         if state.contact and not self._has_touched and world is not None and _agree(world, state):
-            self._judge(state, world, time_s)
+            self._judge(state, world.surroundings(), time_s)
         self._has_touched |= state.contact
         self._before = state, time_s
 

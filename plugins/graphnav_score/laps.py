@@ -85,8 +85,9 @@ class Laps(Navigation):
         """Count this state."""
         super().step(state, map, stamp)
         if self._middle_m is None and map.value is not None:
-            self._middle_m = _middle_m(map.value)
-            self._centreline = Centreline.of(map.value, self._middle_m) if self._middle_m else None
+            world = map.value.surroundings()
+            self._middle_m = _middle_m(world)
+            self._centreline = Centreline.of(world, self._middle_m) if self._middle_m else None
         if self._middle_m is None:
             return
         x, y = self._middle_m

@@ -68,7 +68,7 @@ class Oracle(Stage):
         if self._way is None:
             if map.value is None:
                 raise ValueError("steer.oracle plans on the map: connect it: --set steer.in.map=robot.map")
-            self._world = map.value
+            self._world = map.value.surroundings()
             self._way = self._plan(state)
         elif not len(self._world.goal_m) and self._way.cost(state.x_m, state.y_m) < NEXT_LAP_M:
             self._way = self._plan(state)

@@ -43,6 +43,7 @@ class Way:
     def __init__(self, world: Map, comfort_m: float, wall_cost: float) -> None:
         if not len(world.goal_m):
             raise ValueError("the map has no goal to plan a way to: use a map with a goal")
+        world = world.surroundings()
         points_m = np.concatenate([world.vertices_m, world.goal_m, world.start[None, :2]])
         self._corner_m = points_m.min(axis=0) - BEYOND_M
         cols, rows = np.ceil((points_m.max(axis=0) + BEYOND_M - self._corner_m) / CELL_M).astype(int) + 1

@@ -22,7 +22,7 @@ _OF_BEACON = ("goal",)
 
 
 class MobileRobot(Simulation):
-    """A round robot that drives in a simulated world, with odometry and a beacon at the goal."""
+    """A robot that drives in a simulated world, with odometry and a beacon at the goal."""
 
     max_speed_mps: float = param(0.5, gt=0.0, le=20.0, doc="maximum speed of the drive, forwards and backwards")
     max_turn_radps: float = param(2.0, gt=0.0, le=20.0, doc="maximum turning rate of the drive, to either side")
@@ -101,7 +101,7 @@ class MobileRobot(Simulation):
         if self.slip_ratio:
             rng = np.random.default_rng([seed, SLIP])
             slip = Slip(rng, self.slip_ratio, self.slip_correlation_s, draw.start)
-        self._vehicle = Vehicle(draw.bodies, draw.start, self.robot_radius_m, limits, slip)
+        self._vehicle = Vehicle(draw.bodies, draw.start, self._radius_m, limits, slip, self.robot_size_m)
         self._faces = self._faces.moved_by(self._vehicle.movers)
         self._errors = OdometryErrors(
             np.random.default_rng([seed, ODOMETRY]),

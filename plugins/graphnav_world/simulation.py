@@ -33,7 +33,7 @@ _OF_CAMERA = ("image", "truth")
 
 
 class Simulation(Source):
-    """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space."""
+    """A robot with a camera in a world of walls, obstacles and floor, in a pymunk space."""
 
     reproducible: ClassVar = ("truth",)
 
@@ -147,7 +147,15 @@ class Simulation(Source):
         doc="time that the shutter is open, around the frame's stamp; more blurs motion",
         changes=_OF_PICTURE,
     )
-    robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
+    robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body, which is a disc")
+    robot_size_m: tuple[float, float] | None = param(
+        None,
+        gt=0.0,
+        le=20.0,
+        doc="length and width of a rectangular body instead, around the point about which it turns; null: a disc. "
+        "Contacts and clearances are the rectangle's; maps are checked, `steer.oracle` plans and shadows fall for the "
+        "circle around it",
+    )
     truth: bool | None = param(
         None,
         doc="whether the ground truth of each image is published; null: if a stage or an output reads it",
@@ -168,7 +176,7 @@ class Simulation(Source):
 
     def reset(self, seed: int) -> None:
         """Draw the map and its textures."""
-        loaded = self._load(seed)
+        loaded = self._load(seed, self.run_seed(seed))
         draw = loaded.draw
         self._noise = np.random.default_rng([seed, 1])
         self._shortest_m = loaded.shortest_m
@@ -196,16 +204,21 @@ class Simulation(Source):
         self._before: Placed | None = None
         self._has_truth = self.is_read("truth") if self.truth is None else self.truth
 
-    def _load(self, seed: int) -> WorldMap:
+    def _load(self, seed: int, run_seed: int | None = None) -> WorldMap:
         if not self.map.is_file():
             raise ParamError("map", f"'map' is not a file: {self.map}", "give the path of a map's YAML file")
-        return load_map(self.map, seed, self.robot_radius_m)
+        return load_map(self.map, seed, self._radius_m, run_seed)
+
+    @property
+    def _radius_m(self) -> float:
+        """The radius of the robot's body, or of the circle around a rectangular one."""
+        return self.robot_radius_m if self.robot_size_m is None else math.hypot(*self.robot_size_m) / 2
 
     def _lighting(self, rng: np.random.Generator) -> Lighting | None:
         lights = Lights(self.lamp_ratio, self.glare_ratio, self.shadow_ratio)
         if not lights:
             return None
-        robot = Caster(self.robot_radius_m, self.camera_height_m)
+        robot = Caster(self._radius_m, self.camera_height_m)
         shadows = Shadows(robot, self._camera.focal_px, rng) if lights.shadow else None
         return Lighting(self._camera, self._faces, lights, shadows)
 
@@ -260,14 +273,19 @@ class Simulation(Source):
     def _map(self) -> Map:
         bodies = self._draw.bodies
         outlines_m = [body.outline for body in bodies]
+        kinds, heights_m = [int(body.kind) for body in bodies], [body.height_m for body in bodies]
+        if self.robot_size_m is not None:
+            outlines_m.append(outlines.box(0.0, 0.0, *self.robot_size_m, 0.0))
+            kinds.append(Map.ROBOT)
+            heights_m.append(0.0)
         return Map(
-            kind=np.array([body.kind for body in bodies], np.uint8),
-            height_m=np.array([body.height_m for body in bodies], np.float64),
+            kind=np.array(kinds, np.uint8),
+            height_m=np.array(heights_m, np.float64),
             vertices_m=np.concatenate([np.zeros((0, 2)), *outlines_m]),
-            body=np.repeat(np.arange(len(bodies)), [len(one) for one in outlines_m]).astype(np.int32),
+            body=np.repeat(np.arange(len(kinds)), [len(one) for one in outlines_m]).astype(np.int32),
             start=np.array(self._draw.start, np.float64),
             goal_m=self._draw.goal_m,
-            robot_radius_m=self.robot_radius_m,
+            robot_radius_m=self._radius_m,
             shortest_m=self._shortest_m,
             footprint_m=self._camera.footprint_m(),
         )

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
 import pymunk
 
+from graphnav.arrays import Doubles
 from graphnav_world.geometry.movers import Mover, Walker, movers_of
 from graphnav_world.geometry.scene import Body
 from graphnav_world.slip import Slip
@@ -18,6 +20,8 @@ FARTHEST_M = 1000.0
 ROBOT, OTHER = 1, 2
 OTHERS = pymunk.ShapeFilter(mask=OTHER)
 SEARCH_MARGIN_M = 1e-3
+CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+"""Of a rectangle, in halves of its length and width."""
 
 
 @dataclass(frozen=True)
@@ -43,10 +47,11 @@ class Pose(NamedTuple):
 
 
 class Vehicle:
-    """A disc that drives forwards and turns; it cannot slip sideways.
+    """A disc, or a rectangle about its centre, that drives forwards and turns; it cannot slip sideways.
 
     Steps of at most 10 ms; the first contact stops it permanently. Commands and limits are those of its wheels, which
-    the robot follows exactly unless there is a ``slip``.
+    the robot follows exactly unless there is a ``slip``. ``size_m``: length and width of a rectangle; ``radius_m`` is
+    then that of the circle around it.
     """
 
     def __init__(
@@ -56,6 +61,7 @@ class Vehicle:
         radius_m: float,
         limits: Limits,
         slip: Slip | None = None,
+        size_m: tuple[float, float] | None = None,
     ) -> None:
         self._space = pymunk.Space()
         self._limits, self._radius_m, self._slip = limits, radius_m, slip
@@ -67,13 +73,15 @@ class Vehicle:
         """The bodies that move, in their order."""
         self._walkers = [mover for mover in self.movers if isinstance(mover, Walker)]
         self._moving: list[tuple[pymunk.Body, Mover]] = []
+        self._sides: dict[pymunk.Shape, Doubles] = {}
         movers = iter(self.movers)
         for body in bodies:
             self._add(body, None if body.course is None else next(movers))
         self._robot = pymunk.Body(mass=10.0, moment=math.inf)
         self._robot.position = start[0], start[1]
         self._robot.angle = start[2]
-        rim = pymunk.Circle(self._robot, radius_m)
+        self._half_m = None if size_m is None else (size_m[0] / 2, size_m[1] / 2)
+        rim = pymunk.Circle(self._robot, radius_m) if size_m is None else pymunk.Poly.create_box(self._robot, size_m)
         rim.collision_type, rim.filter = ROBOT, pymunk.ShapeFilter(categories=ROBOT)
         self._space.add(self._robot, rim)
         self._space.on_collision(ROBOT, OTHER, begin=self._touch)
@@ -151,6 +159,7 @@ class Vehicle:
         for part in body.parts:
             shape = pymunk.Poly(carrier, part.tolist())
             shape.collision_type, shape.filter = OTHER, pymunk.ShapeFilter(categories=OTHER)
+            self._sides[shape] = np.stack([part, np.roll(part, -1, axis=0)], axis=1)
             self._space.add(shape)
 
     def _touch(self, _arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: object) -> None:
@@ -167,7 +176,30 @@ class Vehicle:
             return FARTHEST_M
         distance_m: float = found.distance
         self._search_m = max(distance_m, 0.0) + SEARCH_MARGIN_M
+        if self._half_m is not None:
+            return self._find_nearest_to_rectangle_m(distance_m, self._half_m)
         return distance_m - self._radius_m
+
+    def _find_nearest_to_rectangle_m(self, from_centre_m: float, half_m: tuple[float, float]) -> float:
+        """Return the distance from the rectangle to the nearest body, whose distance from the centre is given.
+
+        Nearest to the rectangle may be another body, farther from the centre by at most the difference of the radii of
+        the circles around and inside of the rectangle. The nearest points of two include a corner of one of them.
+        """
+        robot = self._robot
+        reach_m = max(from_centre_m, 0.0) + self._radius_m - min(half_m) + SEARCH_MARGIN_M
+        shapes = [found.shape for found in self._space.point_query(robot.position, reach_m, OTHERS)]
+        sides = [self._sides[shape] + shape.body.position for shape in shapes if shape is not None]
+        if not sides:
+            return FARTHEST_M
+        c, s = math.cos(robot.angle), math.sin(robot.angle)
+        in_robot = (np.concatenate(sides) - robot.position) @ np.array([[c, -s], [s, c]])
+        begin, along = in_robot[:, 0], in_robot[:, 1] - in_robot[:, 0]
+        to_rectangle = np.maximum(np.abs(begin) - half_m, 0.0)
+        to_corners = np.array(half_m) * CORNERS[:, None] - begin
+        share = np.clip((to_corners * along).sum(axis=2) / np.maximum((along * along).sum(axis=1), 1e-18), 0.0, 1.0)
+        away = to_corners - share[..., None] * along
+        return math.sqrt(min((to_rectangle**2).sum(axis=1).min(), (away**2).sum(axis=2).min()))
 
 
 def _towards(now: float, wanted: float, max_change: float) -> float:

@@ -27,7 +27,7 @@ class Tick(NamedTuple):
 
 
 class SingleRate(MobileRobot):
-    """A round robot that drives by one command a firing, and publishes all that it measures with one stamp."""
+    """A robot that drives by one command a firing, and publishes all that it measures with one stamp."""
 
     command_timeout_s: float | None = param(
         None, gt=0.0, le=1e6, doc="age beyond which a command counts as Twist(0, 0); null never expires commands"
@@ -89,7 +89,7 @@ class WorldOutputs(NamedTuple):
 
 
 class Pymunk(SingleRate):
-    """A round robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
+    """A robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
 
     Each firing drives the period since the last frame with the command sampled then, renders the camera image, and
     publishes it, with its ground truth if that is read. It ends the run with ``goal`` when the robot's centre is in the

@@ -81,3 +81,27 @@ def test_the_nearest_point_is_on_a_body_and_never_on_the_goal() -> None:
     assert scene.nearest_point(poses, np.array([19.0, 20.0])) == pytest.approx([19.5, 20.0])
     empty = Scene(replace(WORLD, kind=WORLD.kind[:0]))
     assert empty.nearest_point(poses, np.array([1.0, 2.0])) == pytest.approx([1.0, 2.0])
+
+
+def test_a_robot_that_is_no_disc_has_an_outline_and_is_no_obstacle() -> None:
+    hull = (SQUARE - 0.5) * (0.5, 0.4)
+    around = replace(WORLD, height_m=np.ones(4))
+    rectangle = replace(
+        around,
+        kind=np.append(WORLD.kind, np.uint8(Map.ROBOT)),
+        height_m=np.ones(5),
+        vertices_m=np.concatenate([WORLD.vertices_m, hull]),
+        body=np.append(WORLD.body, np.full(4, 4, np.int32)),
+    )
+    scene = Scene(rectangle)
+    assert scene.robot is not None
+    assert scene.robot.outline_m == pytest.approx(hull)
+    assert Scene(around).robot is None
+    assert [area.role for area in (*scene.fixed, *scene.moving) if area] == [
+        area.role for area in (*Scene(around).fixed, *Scene(around).moving) if area
+    ]
+    assert rectangle.robot_outline_m == pytest.approx(hull)
+    kept = rectangle.surroundings()
+    for name in ("kind", "height_m", "vertices_m", "body"):
+        assert (getattr(kept, name) == getattr(around, name)).all()
+    assert around.surroundings() is around

@@ -5,6 +5,7 @@ Frames: W world, R robot (x forward, y left). Counterclockwise is positive.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar
 
 import graphnav_lcm
@@ -176,17 +177,21 @@ class Goal(Message, lcm=graphnav_lcm.goal_t):
 class Map(Message, lcm=graphnav_lcm.map_t):
     """The world in top view, published once; for scores, oracles and pictures only.
 
-    ``kind``: uint8 (bodies,), 0 wall, 1 obstacle, 2 moving obstacle. ``height_m``: float64 (bodies,).
-    ``vertices_m``: float64 (vertices, 2), outlines in W (moving ones in their own frame). ``body``: int32
+    ``kind``: uint8 (bodies,), 0 wall, 1 obstacle, 2 moving obstacle, 3 the robot itself. ``height_m``: float64
+    (bodies,). ``vertices_m``: float64 (vertices, 2), outlines in W (moving ones in their own frame). ``body``: int32
     (vertices,), ascending. ``start``: float64 (3,), x_m, y_m, yaw_rad. ``goal_m``: float64 (n, 2), outline of the
     goal region, empty if there is none. ``shortest_m``: length of the shortest path for this robot, 0 without
     a goal. ``footprint_m``: float64 (n, 2) in R, outline on the floor of what the camera sees.
+
+    A robot that is not a disc is the last body, its outline in R; ``robot_radius_m`` is then that of the circle around
+    it. What reads the bodies as what surrounds the robot takes `surroundings`.
     """
 
     is_truth: ClassVar[bool] = True
     WALL: ClassVar[int] = 0
     OBSTACLE: ClassVar[int] = 1
     MOVING: ClassVar[int] = 2
+    ROBOT: ClassVar[int] = 3
     """The values of ``kind``."""
 
     kind: Bytes
@@ -198,6 +203,26 @@ class Map(Message, lcm=graphnav_lcm.map_t):
     robot_radius_m: float
     shortest_m: float
     footprint_m: Doubles
+
+    @property
+    def robot_outline_m(self) -> Doubles | None:
+        """The outline of the robot in R, (n, 2), counterclockwise; None for a disc of ``robot_radius_m``."""
+        robots = np.flatnonzero(self.kind == Map.ROBOT)
+        return self.vertices_m[self.body == robots[0]] if len(robots) else None
+
+    def surroundings(self) -> Map:
+        """Return the map without the robot's own outline: itself for a disc."""
+        bodies = np.flatnonzero(self.kind != Map.ROBOT)
+        if len(bodies) == len(self.kind):
+            return self
+        kept = self.body < len(bodies)  # the robot comes last
+        return replace(
+            self,
+            kind=self.kind[bodies],
+            height_m=self.height_m[bodies],
+            vertices_m=self.vertices_m[kept],
+            body=self.body[kept],
+        )
 
     def next_vertices(self) -> Indices:
         """Return the index of the vertex after each one around its body, (vertices,)."""

@@ -15,7 +15,7 @@ from graphnav.core.graph import Channel, Node
 from graphnav.core.messages import Message, Twist
 from graphnav.core.runner.stage_calls import StageCalls
 from graphnav.core.runner.unit import I, Publish, Unit
-from graphnav.core.stage import Port, Stage
+from graphnav.core.stage import Port, Stage, tell_run_seed
 
 Arrived = Callable[[I, Port, int, int, Any], None]
 Fire = Callable[[Unit[Any], int, dict[str, Any], float], str | None]
@@ -167,6 +167,7 @@ class Engine(Generic[I]):
         self.ticks, self.utime = 0, self.begin_us
         for name, unit in self.units.items():
             with unit.calling("reset", 0.0, _said):
+                tell_run_seed(unit.stage, seed)
                 unit.stage.reset(seed_of(seed, name))
         self.is_ready = True
 

@@ -6,7 +6,16 @@ from graphnav.core.stage.metric import MEASURED, UNDEFINED, Better, Metric, metr
 from graphnav.core.stage.param import Param, param, params_of
 from graphnav.core.stage.port import Age, Latest, Port, Since, Stamp, Stamped, ports_of
 from graphnav.core.stage.run_metrics import reported_metrics
-from graphnav.core.stage.stage import MAY_READ_TRUTH, Finished, Role, Source, Stage, Unnoticed, tell_readers
+from graphnav.core.stage.stage import (
+    MAY_READ_TRUTH,
+    Finished,
+    Role,
+    Source,
+    Stage,
+    Unnoticed,
+    tell_readers,
+    tell_run_seed,
+)
 from graphnav.core.stage.units import unit_of
 
 __all__ = [
@@ -37,5 +46,6 @@ __all__ = [
     "reported_metrics",
     "summary_of",
     "tell_readers",
+    "tell_run_seed",
     "unit_of",
 ]

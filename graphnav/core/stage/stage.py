@@ -64,6 +64,7 @@ class Stage:
     """Faults that a guard cannot notice where inputs of it are not wired, told where it writes a motor channel."""
 
     _read_ports: frozenset[str] | None = None
+    _run_seed: int | None = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Make the annotated fields of ``cls`` parameters of its constructor."""
@@ -139,6 +140,14 @@ class Source(Stage):
 
     rate_hz: float = param(10.0, gt=0.0, le=10_000.0, doc="firings per second")
 
+    def run_seed(self, seed: int) -> int:
+        """Return the seed of the run, for worlds that are numbered by it; called in `reset` with its ``seed``.
+
+        All randomness derives from that ``seed``, which is another one for every stage; outside of a graph they are the
+        same.
+        """
+        return seed if self._run_seed is None else self._run_seed
+
     def is_remote(self) -> bool:
         """Return whether it reads from another machine: only a run asks it for data, neither `check` nor ``doctor``."""
         return False
@@ -173,3 +182,8 @@ class Finished(Exception):  # noqa: N818 - it is not an error
 def tell_readers(stage: Stage, ports: Iterable[str]) -> None:
     """Tell a stage which of its outputs are read; `Stage.is_read` then answers by them."""
     stage._read_ports = frozenset(ports)  # noqa: SLF001, authors of stages only ask
+
+
+def tell_run_seed(stage: Stage, seed: int) -> None:
+    """Tell a stage the seed of the run; `Source.run_seed` then returns it."""
+    stage._run_seed = seed  # noqa: SLF001, authors of stages only ask

@@ -16,7 +16,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerPatch
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, FancyArrowPatch, Patch
+from matplotlib.patches import Circle, FancyArrowPatch, Patch, Polygon
 from matplotlib.ticker import MaxNLocator
 
 from graphnav import Map, Scene
@@ -122,7 +122,11 @@ def _draw_ends(axes: Axes, scene: Scene, track: Track) -> None:
     )
     axes.plot([x], [y], marker="o", markersize=6, color=style.ROBOT, zorder=7)
     x, y, yaw = track.pose[-1]
-    axes.add_patch(Circle((x, y), radius, facecolor=(1, 1, 1, 0.55), edgecolor=style.ROBOT, lw=1.6, zorder=6))
+    looks: dict[str, Any] = {"facecolor": (1, 1, 1, 0.55), "edgecolor": style.ROBOT, "lw": 1.6, "zorder": 6}
+    if scene.robot is None:
+        axes.add_patch(Circle((x, y), radius, **looks))
+    else:
+        axes.add_patch(Polygon(scene.robot.at(track.pose[-1]).outline_m, **looks))
     axes.plot([x, x + radius * math.cos(yaw)], [y, y + radius * math.sin(yaw)], color=style.ROBOT, lw=1.6, zorder=6)
     if track.last.contact:
         touched = scene.nearest_point(track.last.moving, track.pose[-1, :2])

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Polygon
 from matplotlib.transforms import Affine2D
 
 from graphnav import Scene, State
@@ -41,7 +42,11 @@ def draw_scene(axes: Axes, moment: SceneMoment) -> str:
     draw_areas(axes, [*scene.fixed, *scene.moving_at(state.moving), *seen], to_axes)
     _draw_path(axes, moment, to_axes)
     radius = scene.robot_radius_m
-    axes.add_patch(Circle((0, 0), radius, facecolor="white", edgecolor=style.ROBOT, lw=1.6, zorder=6))
+    looks: dict[str, Any] = {"facecolor": "white", "edgecolor": style.ROBOT, "lw": 1.6, "zorder": 6}
+    if scene.robot is None:
+        axes.add_patch(Circle((0, 0), radius, **looks))
+    else:
+        axes.add_patch(Polygon(to_axes.transform(scene.robot.at(np.array([x, y, yaw])).outline_m), **looks))
     axes.annotate(
         "",
         (0, 2.4 * radius),

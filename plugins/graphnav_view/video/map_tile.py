@@ -56,8 +56,13 @@ class TopView:
         centre = self._to_px(pose[None, :2])[0]
         radius = max(round(self._scene.robot_radius_m * self._per_m * 2**_SHIFT), self._min_radius_px << _SHIFT)
         colour = style.rgb(style.CONTACT if contact else style.ROBOT)
-        cv2.circle(tile, centre.tolist(), radius, (255, 255, 255), -1, cv2.LINE_AA, _SHIFT)
-        cv2.circle(tile, centre.tolist(), radius, colour, self._line_px, cv2.LINE_AA, _SHIFT)
+        if self._scene.robot is None or radius == self._min_radius_px << _SHIFT:
+            cv2.circle(tile, centre.tolist(), radius, (255, 255, 255), -1, cv2.LINE_AA, _SHIFT)
+            cv2.circle(tile, centre.tolist(), radius, colour, self._line_px, cv2.LINE_AA, _SHIFT)
+        else:
+            outline = self._to_px(self._scene.robot.at(pose).outline_m)[:, None]
+            cv2.fillPoly(tile, [outline], (255, 255, 255), cv2.LINE_AA, _SHIFT)
+            cv2.polylines(tile, [outline], True, colour, self._line_px, cv2.LINE_AA, _SHIFT)  # noqa: FBT003 - OpenCV's own order
         nose = centre + np.round(radius * np.array([math.cos(pose[2]), -math.sin(pose[2])])).astype(np.int32)
         cv2.line(tile, centre.tolist(), nose.tolist(), colour, self._line_px, cv2.LINE_AA, _SHIFT)
 

@@ -26,11 +26,13 @@ class Draws:
     for all their angles, lengths, radii and places, how many it drew before decides what it draws next: another count
     of corners or pillars is another zigzag or field.
 
-    ``effort`` is what all draws of this seed may take together.
+    ``effort`` is what all draws of this seed may take together. ``run_seed`` numbers worlds that are not drawn; it is
+    the ``seed`` itself where none is given.
     """
 
-    def __init__(self, seed: int, attempt: int, effort: Effort) -> None:
+    def __init__(self, seed: int, attempt: int, effort: Effort, run_seed: int | None = None) -> None:
         self.effort = effort
+        self.run_seed = seed if run_seed is None else run_seed
         self.problems: list[Problem] = []
         self.misfits: list[Problem] = []
         self.drew = False

@@ -32,8 +32,8 @@ class WorldMap:
     shortest_m: float
 
 
-def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
-    """Return the map that this seed draws.
+def load_map(path: Path, seed: int, robot_radius_m: float, run_seed: int | None = None) -> WorldMap:
+    """Return the map that this seed draws, or, where a map's worlds are numbered, ``run_seed`` (else the seed) names.
 
     A map with random parts is drawn again until the robot fits at the start, a path leads to the goal and, where the
     map requires it, the straight path is blocked; at most 300 times, and no longer than its effort lasts. The same
@@ -45,17 +45,17 @@ def load_map(path: Path, seed: int, robot_radius_m: float) -> WorldMap:
     UserError
         All problems of the file, each with its place.
     """
-    return _drawn(MAP.content(path), shown_path(path), seed, robot_radius_m)
+    return _drawn(MAP.content(path), shown_path(path), seed, robot_radius_m, run_seed)
 
 
 @lru_cache(maxsize=KEPT)
-def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float) -> WorldMap:
+def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float, run_seed: int | None) -> WorldMap:
     keys, found = _read(content, source)
     problems, misfits = list(found), list[Problem]()
     effort = Effort()
     for attempt in range(ATTEMPTS if keys else 0):
         assert keys is not None
-        draws = Draws(seed, attempt, effort)
+        draws = Draws(seed, attempt, effort, run_seed)
         draw = draw_map(draws, keys)
         if misfits and effort.is_spent:  # this draw may lack pillars for that alone; the one before tells what is wrong
             break

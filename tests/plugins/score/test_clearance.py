@@ -126,3 +126,44 @@ def test_a_drive_reports_both() -> None:
     metrics = stage.summary()
     assert metrics["min_clearance_ahead_m"] == pytest.approx(3.0 - 0.1 - 1.5 - RADIUS_M)
     assert metrics["min_clearance_side_m"] == pytest.approx(1.0 - RADIUS_M)
+
+
+JACKAL = (0.508, 0.43)
+
+
+def rectangular(*bodies: Doubles) -> Map:
+    """Return a world whose robot is a rectangle."""
+    shown = world(*bodies, box(0.0, 0.0, *JACKAL))
+    shown.kind[-1] = Map.ROBOT
+    return shown
+
+
+def test_a_rectangle_is_as_near_as_its_sides() -> None:
+    ahead, left = box(2.0, 0.0, 0.2, 0.2), box(0.0, 1.0, 0.2, 0.2)
+    half_length, half_width = JACKAL[0] / 2, JACKAL[1] / 2
+    for yaw_rad, expected in (
+        (0.0, (1.9 - half_length, 0.9 - half_width)),
+        (math.pi / 2, (0.9 - half_length, 1.9 - half_width)),
+    ):
+        for value, wanted in zip(clearance(rectangular(ahead, left), at(yaw_rad=yaw_rad)), expected, strict=True):
+            assert value == pytest.approx(wanted)
+    assert clearance(rectangular(), at()) == (None, None), "it is not its own obstacle"
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_rectangle_is_as_near_as_points_of_the_outlines_within_the_sector(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    bodies = [box(*(1.2 * _on_circle(angle)), *rng.uniform(0.1, 0.6, 2)) for angle in rng.uniform(0, 2 * math.pi, 6)]
+    ends = np.concatenate([np.stack([one, np.roll(one, -1, axis=0)], axis=1) for one in bodies])
+    shares = np.linspace(0.0, 1.0, 2001)[:, None, None]
+    points = (ends[:, 0] + shares * (ends[:, 1] - ends[:, 0])).reshape(-1, 2)
+    bearing = np.abs(np.arctan2(points[:, 1], points[:, 0]))
+    away = np.hypot(*np.maximum(np.abs(points) - np.array(JACKAL) / 2, 0.0).T)
+    expected = (away[bearing <= math.pi / 4], away[np.abs(bearing - math.pi / 2) <= math.pi / 4])
+    found = clearance(rectangular(*bodies), at())
+    for value, within in zip(found, expected, strict=True):
+        assert value == (pytest.approx(within.min(), abs=1e-3) if len(within) else None)
+
+
+def _on_circle(angle_rad: float) -> Doubles:
+    return np.array([math.cos(angle_rad), math.sin(angle_rad)])

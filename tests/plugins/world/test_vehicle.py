@@ -115,3 +115,39 @@ def test_clearance_is_the_distance_to_the_nearest_body_of_all() -> None:
         assert vehicle._here_m == pytest.approx(nearest, abs=1e-6)
         assert pose.clearance_m <= nearest + 1e-6
     assert k > 30
+
+
+JACKAL = (0.508, 0.43)
+
+
+def _rectangle(bodies: list[Body], start: tuple[float, float, float]) -> Vehicle:
+    return Vehicle(bodies, start, math.hypot(*JACKAL) / 2, QUICK, size_m=JACKAL)
+
+
+@pytest.mark.parametrize("heading_deg", [0, 17, 45, 90, 200])
+def test_a_rectangle_keeps_the_distance_of_its_sides_and_corners(heading_deg: int) -> None:
+    yaw = math.radians(heading_deg)
+    pillar = Body.prism(outlines.box(0.3, 0.9, 0.2, 0.1, 0.4), 0.3, "wall")
+    vehicle = _rectangle([WALL, pillar], (0.0, 0.0, yaw))
+    rim = outlines.box(0.0, 0.0, *JACKAL, yaw)
+    ends = zip(rim, np.roll(rim, -1, axis=0), strict=True)
+    sides = np.concatenate([a + np.linspace(0, 1, 400)[:, None] * (b - a) for a, b in ends])
+    nearest = min(outlines.distance(body.outline, *point) for body in (WALL, pillar) for point in sides)
+    assert vehicle.pose.clearance_m == pytest.approx(nearest, abs=2e-3)
+
+
+@pytest.mark.parametrize(("heading_rad", "half_m"), [(0.0, 0.254), (math.pi, 0.254)])
+def test_a_rectangle_touches_with_its_front_and_its_back(heading_rad: float, half_m: float) -> None:
+    vehicle = _rectangle([WALL], (0.0, 0.0, heading_rad))
+    poses = [vehicle.advance(0.5 * math.cos(heading_rad), 0.0, 0.1 * k) for k in range(1, 40)]
+    first = next(pose for pose in poses if pose.contact)
+    assert first.x_m == pytest.approx(1.4 - half_m, abs=0.012)
+    assert first.clearance_m == 0.0
+
+
+def test_a_rectangle_touches_beside_what_it_can_pass_when_it_turns() -> None:
+    beside = [Body.prism(outlines.box(0.0, side * 0.33, 3.0, 0.2, 0.0), 0.3, "wall") for side in (-1, 1)]
+    passing = _rectangle(beside, START)
+    assert not passing.advance(0.5, 0.0, 1.0).contact
+    assert passing.pose.clearance_m == pytest.approx(0.23 - 0.215, abs=1e-6)
+    assert passing.advance(0.0, 1.0, 2.0).contact, "a corner is farther from the middle than the wall"

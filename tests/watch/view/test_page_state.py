@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from graphnav.core.codec import codec_of, encode
-from graphnav.core.messages import About, Image, State, Status, Twist
+from graphnav.core.messages import About, Image, Map, State, Status, Twist
 from graphnav.core.typeinfo import load_types
 from graphnav.watch.feed import MAX_CHANNELS, Received
+from graphnav.watch.view.content.state import floor_map
 from graphnav.watch.view.page_feed import PageState
 
 TWIST = Twist(0.1, 0.2)
@@ -183,3 +184,22 @@ def test_the_path_is_thinned_and_restarts_with_a_new_run(ear: Ear) -> None:
 def test_a_pose_that_is_not_finite_is_left_aside(ear: Ear) -> None:
     ear.receive("robot.state", encode(state(float("nan")), 0, 0))
     assert ear.state.track_of(None).pose is None
+
+
+@pytest.mark.parametrize("is_disc", [True, False])
+def test_the_map_tells_the_robot_s_body(is_disc: bool) -> None:
+    hull = [[-0.25, -0.2], [0.25, -0.2], [0.25, 0.2], [-0.25, 0.2]]
+    n_robots = 0 if is_disc else 1
+    world = Map(
+        kind=np.full(n_robots, Map.ROBOT, np.uint8),
+        height_m=np.zeros(n_robots),
+        vertices_m=np.array(hull * n_robots).reshape(-1, 2),
+        body=np.zeros(4 * n_robots, np.int32),
+        start=np.zeros(3),
+        goal_m=np.zeros((0, 2)),
+        robot_radius_m=0.32,
+        shortest_m=0.0,
+        footprint_m=np.zeros((0, 2)),
+    )
+    shown = floor_map(encode(world, 0, 0))
+    assert shown == {"areas": [], "robot_radius_m": 0.32, "robot_outline": None if is_disc else hull}

@@ -68,11 +68,15 @@ class World:
 
 @dataclass(frozen=True)
 class Robot:
-    """The shape of the robot: its radius, and what its camera sees of the floor in R, None without a camera."""
+    """The shape of the robot: its radius, and what its camera sees of the floor in R, None without a camera.
+
+    ``body``: its outline in R, where it is not a disc.
+    """
 
     utime: int
     radius_m: float
     seen: SceneArea | None
+    body: SceneArea | None = None
 
 
 @dataclass(frozen=True)

@@ -79,4 +79,6 @@ class MessageEntries:
         """Return the shape of the robot, from the map."""
         radius_m = scene.robot_radius_m if scene is not None else _RADIUS_M
         seen = scene.seen if scene is not None else None
-        return Robot(utime, radius_m if 0 < radius_m < _MAX_RADIUS_M else _RADIUS_M, seen)
+        if not 0 < radius_m < _MAX_RADIUS_M:
+            return Robot(utime, _RADIUS_M, seen)
+        return Robot(utime, radius_m, seen, None if scene is None else scene.robot)

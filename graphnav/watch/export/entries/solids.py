@@ -47,9 +47,11 @@ def bodies_of(scene: Scene) -> Iterator[Solid]:
 
 
 def robot_of(entry: Robot) -> list[Solid]:
-    """Return the robot in R, a circle around the origin and a line forward, and what its camera sees of the floor."""
+    """Return the robot in R, its circle or outline and a line forward, and what its camera sees of the floor."""
     angles = np.linspace(0.0, 2 * np.pi, 37)
     around = entry.radius_m * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+    if entry.body is not None:
+        around = _ring(entry.body, 0.0)
     forward = np.array([[0.0, 0.0, 0.0], [2 * entry.radius_m, 0.0, 0.0]])
     up = np.array([0.0, 0.0, _ROBOT_HEIGHT_M])
     seen = [] if entry.seen is None else [_on_floor(entry.seen)]

@@ -73,7 +73,7 @@ def newest_map(channels: Iterable[WatchedChannel]) -> Received | None:
 
 
 def floor_map(data: bytes) -> dict[str, Any] | None:
-    """Return the areas of the map and the robot's radius; None if the message is not a map or too large to be drawn.
+    """Return the areas of the map and the robot's body; None if the message is not a map or too large to be drawn.
 
     The page draws areas in the order in which they are given: moving obstacles in their own frames, and what the camera
     sees of the floor in that of the robot.
@@ -90,4 +90,5 @@ def floor_map(data: bytes) -> dict[str, Any] | None:
     return {
         "areas": [None if one is None else {"role": one.role, "outline": one.outline_m.tolist()} for one in areas],
         "robot_radius_m": scene.robot_radius_m,
+        "robot_outline": None if scene.robot is None else scene.robot.outline_m.tolist(),
     }

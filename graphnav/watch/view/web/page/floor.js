@@ -59,10 +59,11 @@ export class Floor {
     this.movers = shapes.filter((_, place) => !areas[place] || areas[place].role === "moving");
     this.seen = shapes.filter((_, place) => areas[place]?.role === "seen");
     this.path = svg("polyline", { class: "path" });
-    const radius = Math.max(this.world?.robot_radius_m || 0.15, 0.012 * Math.max(width, height));
-    this.robot = svg(
-      "g", { class: "robot" }, svg("circle", { r: radius }), svg("path", { d: `M0,0H${radius * 1.7}` }),
-    );
+    const smallest = 0.012 * Math.max(width, height);
+    const radius = Math.max(this.world?.robot_radius_m || 0.15, smallest);
+    const hull = this.world?.robot_outline;
+    const body = hull && radius > smallest ? svg("polygon", { points: outline(hull) }) : svg("circle", { r: radius });
+    this.robot = svg("g", { class: "robot" }, body, svg("path", { d: `M0,0H${radius * 1.7}` }));
     world.append(this.path, this.robot);
     this.root.append(world);
     this.moveRobot();
