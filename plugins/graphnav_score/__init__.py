@@ -7,6 +7,7 @@ from graphnav import Stage, hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
     from graphnav_score.agreement import Agreement
+    from graphnav_score.barn import Barn
     from graphnav_score.components import Components
     from graphnav_score.flow import Flow
     from graphnav_score.laps import Laps
@@ -15,4 +16,4 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_score.sighting import Sighting
     from graphnav_score.steering import Steering
 
-    return [Agreement, Components, Flow, Laps, Navigation, Plane, Sighting, Steering]
+    return [Agreement, Barn, Components, Flow, Laps, Navigation, Plane, Sighting, Steering]

@@ -56,7 +56,7 @@ class SectorClearance:
             self._min_m[name] = min(self._min_m[name], max(min(distances_m), 0.0))
 
     def _clearance_m(self, ends_m: Doubles, begin_rad: float, end_rad: float) -> float:
-        """Return how far the nearest edge in a sector is from the rim: from the outline of a robot that is no disc."""
+        """Return how far the nearest edge in a sector is from the rim: a circle, or the outline of another robot."""
         if self._outline_m is None:
             return float(nearest_m(ends_m, begin_rad, end_rad).min()) - self._radius_m
         return float(nearest_to_m(self._outline_m, ends_m, begin_rad, end_rad).min())

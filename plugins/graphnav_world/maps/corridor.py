@@ -20,7 +20,10 @@ GOAL_M = 0.5
 
 @dataclass(frozen=True)
 class Corridor:
-    """Parts of a map. ``start``: x_m, y_m, yaw_rad. ``goal_m``: an outline across the corridor, empty without one."""
+    """Parts of a map. ``start``: x_m, y_m, yaw_rad. ``goal_m``: an outline across the corridor, empty without one.
+
+    A world of BARN has cylinders as its walls, and a goal beyond them.
+    """
 
     walls: list[Body]
     start: tuple[float, float, float]

@@ -11,6 +11,8 @@ import numpy as np
 from graphnav import Place, did_you_mean
 from graphnav.arrays import Doubles
 from graphnav_world.geometry.scene import Body
+from graphnav_world.maps.barn import draw_barn
+from graphnav_world.maps.barn_keys import BarnKeys
 from graphnav_world.maps.body_keys import Obstacle, Pillars, Wall
 from graphnav_world.maps.corridor import Corridor, draw_corridor
 from graphnav_world.maps.corridor_keys import Walled
@@ -30,8 +32,8 @@ TEXTURES = {
 }
 Pose = tuple[float, float, float]
 
-CORRIDORS = ("corridor", "zigzag", "ring")
-"""Keys of a map that bring walls and the start; a map has one of them at most."""
+CORRIDORS = ("corridor", "zigzag", "ring", "barn")
+"""Keys of a map that bring what stands and the start; a map has one of them at most."""
 START_HINT = "add start: {at_m: [x, y], heading_deg: 0}"
 
 
@@ -98,6 +100,8 @@ def _corridor(draws: Draws, keys: MapKeys) -> Corridor | None:
         return draw_corridor(draws, keys.corridor)
     if keys.zigzag:
         return draw_zigzag(draws, keys.zigzag)
+    if keys.barn:
+        return draw_barn(draws, keys.barn)
     return draw_ring(draws, keys.ring) if keys.ring else None
 
 
@@ -119,8 +123,8 @@ def _texture(draws: Draws, name: str, keys: TextureKeys) -> Texture:
 
 
 def _check_textures(draws: Draws, keys: MapKeys, known: Collection[str]) -> None:
-    textured: list[Wall | Obstacle | Pillars | Walled | None] = [
-        *(keys.corridor, keys.zigzag, keys.ring, keys.pillars), *keys.walls, *keys.obstacles,
+    textured: list[Wall | Obstacle | Pillars | Walled | BarnKeys | None] = [
+        *(keys.corridor, keys.zigzag, keys.ring, keys.barn, keys.pillars), *keys.walls, *keys.obstacles,
     ]  # fmt: skip
     for one in textured:
         if one and one.texture not in known and not keys.written.has("textures", one.texture):

@@ -44,9 +44,10 @@ working folder.
 - Wherever a number is described as "a number or a range", `[low, high]` is drawn from the seed of the run: every seed
   is another world, and the same seed is the same world. The coordinates of a point may be ranges, too:
   `[1, [0.4, 0.6]]` has x = 1 and y between 0.4 and 0.6.
-- The robot is a disc of 0.2 m radius if the graph does not set `robot_radius_m`. It has to fit at the start, and a path
-  of its width has to lead to the goal: a map with ranges is drawn again until that is so, up to 300 times; fewer
-  times the larger it is and the more pillars it has, so that reading a map takes seconds at most.
+- The robot is a disc of 0.2 m radius if the graph does not set `robot_radius_m`, or `robot_size_m` for a rectangle,
+  of which the circle around it counts here. It has to fit at the start, and a path of its width has to lead to the
+  goal: a map with ranges is drawn again until that is so, up to 300 times; fewer times the larger it is and the more
+  pillars it has, so that reading a map takes seconds at most.
 - Everything fits into 100 m. Paths are searched on a grid of 2.5 cm, in maps of more than 625 square metres on a
   coarser one, of 10 cm for 100 m by 100 m.
 - Rules of YAML 1.2 hold: `1e-3` is a number, `yes` is a string. Aliases (`&a`, `*a`) may be used.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from graphnav import Range, Record, key
+from graphnav_world.maps.barn_keys import BarnKeys
 from graphnav_world.maps.body_keys import Obstacle, Pillars, Region, Wall
 from graphnav_world.maps.corridor_keys import CorridorKeys, RingKeys, ZigzagKeys
 from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Point
@@ -85,9 +86,9 @@ class PassageKeys(Record):
 
 
 class MapKeys(Record):
-    """Every key may be left out but `start`, and that too where there is a `corridor`, a `zigzag` or a `ring`.
+    """Every key may be left out but `start`, and that too with a `corridor`, a `zigzag`, a `ring` or a world of `barn`.
 
-    A map has one of these three at most.
+    A map has one of these four at most.
     """
 
     noun = "a map"
@@ -98,6 +99,7 @@ class MapKeys(Record):
     corridor: CorridorKeys | None = key(None, doc="a bent corridor with its start and its goal")
     zigzag: ZigzagKeys | None = key(None, doc="a corridor with sharp corners, with its start and its goal")
     ring: RingKeys | None = key(None, doc="a corridor without an end, with its start")
+    barn: BarnKeys | None = key(None, doc="a world of the BARN challenge, with its start and its goal")
     walls: tuple[Wall, ...] = key((), doc="walls")
     obstacles: tuple[Obstacle, ...] = key((), doc="obstacles that stand or move")
     pillars: Pillars | None = key(None, doc="a field of round obstacles")
