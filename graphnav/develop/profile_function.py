@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 from graphnav import Graph, UserError
 from graphnav.core.api import (
+    Argument,
     KeptFolder,
     PathLike,
     Shared,
     TapMode,
-    check_choice,
     loaded,
     one_thread,
     tell,
@@ -53,8 +53,8 @@ def profile(
     KeyboardInterrupt
         Ctrl-C, or a notebook's stop button, ended the run.
     """
-    check_choice(tap, Shared.TAP)
-    check_choice(clock, CLOCK)
+    Argument(tap, Shared.TAP).check_choice()
+    Argument(clock, CLOCK).check_choice()
     checked = with_run_options(
         loaded(graph, set, plugins, Catalog(Trust(runs_all=trust))), {"seed": seed, "until_s": until_s}
     )

@@ -21,8 +21,6 @@ from graphnav.core.runner import (
     Taken,
     Timer,
     Unit,
-    Used,
-    encoded_firing,
 )
 from graphnav.core.stage import Port
 from graphnav.live.clock import LiveClock
@@ -90,7 +88,7 @@ class LiveSchedule:
             calls=calls,
         )
         self._firing_log = firings
-        self._unlogged: list[tuple[int, str, int, float, Sequence[Used]]] = []
+        self._unlogged: list[tuple[int, str, int, Taken]] = []
         self._wake = wake
         self._newest_stamp = clock.start_utime
         self._order = [self.engine.units[node.name] for node in reversed(graph.order)]
@@ -306,14 +304,14 @@ class LiveSchedule:
     def _note_firing(self, unit: Unit[LiveInbox], utime: int, taken: Taken) -> None:
         """Keep a firing for the log until the run is idle: no command waits for the log."""
         if self._firing_log is not None:
-            self._unlogged.append((self.clock.now(), unit.node.name, utime, taken.age_s, taken.used))
+            self._unlogged.append((self.clock.now(), unit.node.name, utime, taken._replace(inputs={})))
             if len(self._unlogged) >= _MAX_UNLOGGED:
                 self._log_firings()
 
     def _log_firings(self) -> None:
-        for at_us, stage, utime, age_s, used in self._unlogged:
+        for at_us, stage, utime, taken in self._unlogged:
             if self._firing_log is not None:
-                data = encoded_firing(at_us, stage, utime, self.engine.number(Fired.CHANNEL), age_s, used)
+                data = taken.encoded(at_us, stage, utime, self.engine.number(Fired.CHANNEL))
                 self._firing_log.write(Fired.CHANNEL, self.clock.now(), data)
         self._unlogged.clear()
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Collection
 from contextlib import ExitStack, closing
-from functools import partial
 from pathlib import Path
 
 from graphnav import About, Graph, GraphnavError, Stage, Status
@@ -17,7 +16,6 @@ from graphnav.core.notices import print_notice
 from graphnav.core.record import ThreadedLogWriter
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import (
-    ChannelsExcept,
     LiveSink,
     Measured,
     Outcome,
@@ -26,10 +24,7 @@ from graphnav.core.runner import (
     StageCalls,
     StallLimit,
     Summary,
-    kept,
-    live_about,
-    open_log,
-    save_graph,
+    about_of,
 )
 from graphnav.live.clock import LiveClock
 from graphnav.live.connections import opened
@@ -109,19 +104,19 @@ class _LiveRun:
     ) -> None:
         """Open the logs that are written and played and wire the stages; ``cleanup`` gets what closes all that."""
         graph, tap = self._graph, self._tap
-        save_graph(graph, self._folder)
+        self.record.save_graph()
         self._clock = LiveClock()
         intakes = [Intake(one, self._clock, needs_all=_needs_all(graph, ref)) for ref, one in graph.inputs.items()]
         played = [(one.source, one.mailbox) for one in intakes if one.source.log is not None]
         self._playback = Playback(played, self._wake.set)
         cleanup.callback(self._playback.close)
         self._writer = writer = ThreadedLogWriter(
-            self._folder / RunFolder.LOG, notice=notice, open_log=partial(open_log, graph.run)
+            self._folder / RunFolder.LOG, notice=notice, open_log=self.record.open_log
         )
         cleanup.callback(writer.close)
         if tap is not None:
             cleanup.callback(tap.close)
-        sinks = [kept(graph, writer, keep, is_live=True), *_watched(graph, tap, self._url)]
+        sinks = [self.record.kept(writer, keep, is_live=True), *_watched(graph, tap, self._url)]
         firings = writer if keep is None else None
         self._schedule = LiveSchedule(graph, stages, self._clock, intakes, self._wake, sinks, firings, calls)
         cleanup.callback(self.record.failures.close, self._schedule.close)
@@ -137,7 +132,7 @@ class _LiveRun:
         now = self._clock.now
         try:
             with self.record.failures.noted():
-                about = live_about(self._graph, by_outside_names=False)
+                about = about_of(self._graph, is_live=True)
                 self._writer.write(About.CHANNEL, now(), encode(about, now(), 0))
                 self._schedule.reset(self._graph.run.seed)
                 self._fire(on_time, interrupt, should_stop)
@@ -194,10 +189,22 @@ def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
         *(one.name for one in graph.inputs.values()),
         *(one.name for one in graph.outputs.values()),
     }
-    tap.announce(live_about(graph, by_outside_names=is_shared), outside)
-    return [
-        ChannelsExcept(tap, {graph.channels[ref].name for ref in (*graph.inputs, *graph.outputs)} if is_shared else ())
-    ]
+    tap.announce(about_of(graph, is_live=True, by_outside_names=is_shared), outside)
+    if not is_shared:
+        return [tap]
+    return [_Unshared(tap, frozenset(graph.channels[ref].name for ref in (*graph.inputs, *graph.outputs)))]
+
+
+class _Unshared:
+    """Passes on the messages of all channels except those that other programs write or read."""
+
+    def __init__(self, sink: Sink, channels: frozenset[str]) -> None:
+        self._sink, self._channels = sink, channels
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Write one message."""
+        if channel not in self._channels:
+            self._sink.write(channel, utime, data)
 
 
 def _is_over(graph: Graph, playback: Playback) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from graphnav import Graph, UserError, did_you_mean
-from graphnav.core.graph import SET, Channel, Node
+from graphnav.core.graph import Channel
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def make_plan(graph: Graph, play: Sequence[str] = (), reproduced: Collection[str
 def notices_of(plan: Plan) -> Iterator[str]:
     """Yield a notice for each stage that is changed by ``--set`` but does not step."""
     for node in plan.graph.nodes:
-        if node.name not in plan.stepped_names and _is_set(node):
+        if node.name not in plan.stepped_names and node.is_overridden:
             yield f"{node.name}: --set has no effect on this stage, because it does not step in this replay"
 
 
@@ -108,7 +108,3 @@ def _idle(graph: Graph, stepping: Collection[str]) -> str | None:
     serving = {"", *stepping} | sources
     names = (node.name for node in graph.order if node.name in stepping)
     return next((name for name in names if readers[name] and not readers[name] & serving), None)
-
-
-def _is_set(node: Node) -> bool:
-    return bool(node.use_note) or any(setting.origin == SET for setting in node.settings.values())

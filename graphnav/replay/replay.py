@@ -18,7 +18,7 @@ from graphnav.core.interrupts import third_party_code
 from graphnav.core.machine import read_json
 from graphnav.core.record import LogWriter
 from graphnav.core.run_folder import RunFolder
-from graphnav.core.runner import Engine, Failures, Summary, about_of, live_about
+from graphnav.core.runner import Engine, Failures, Summary, about_of
 from graphnav.core.stage import FormerNames
 from graphnav.replay.comparison.comparison import Comparison, Scope
 from graphnav.replay.comparison.field_differences import Tolerance
@@ -135,7 +135,7 @@ class _Replay:
         graph = self._made.graph
         if graph.run.record == "replayable" and not self._plan.not_needed:
             graph = replace(graph, run=replace(graph.run, record="all"))
-        return live_about(graph, by_outside_names=False) if self._made.is_live else about_of(graph)
+        return about_of(graph, is_live=self._made.is_live)
 
     def begin(self, log: LogWriter | None) -> Replayer:
         """Wire the stages to what compares their messages; return what steps them."""

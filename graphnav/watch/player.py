@@ -9,7 +9,8 @@ from typing import Protocol
 from graphnav import GraphnavError, Place, Recording, UserError, did_you_mean
 from graphnav.core.errors import BusError, LogError, shown_name
 from graphnav.core.keyboard import KeyDecoder
-from graphnav.core.record import ChannelFilter, LogCursor
+from graphnav.core.record import ChannelFilter
+from graphnav.watch.log_cursor import LogCursor
 
 HELP = "keys: space pause, n next message, left/right 5 s, -/+ speed, q quit"
 

@@ -10,7 +10,8 @@ from urllib.parse import parse_qs, urlsplit
 from graphnav import About
 from graphnav.core.errors import LogError
 from graphnav.core.machine import ReceiveBuffer
-from graphnav.core.record import AboutFirst, ChannelCounts, ChannelFilter, Kind, LogFiles, ThreadedLogWriter, kind_of
+from graphnav.core.record import AboutFirst, ChannelFilter, LogFiles, ThreadedLogWriter
+from graphnav.watch.channel_account import ChannelCounts, Kind, kind_of
 from graphnav.watch.feed import Feed, LiveFeed, Received
 
 _MAX_CHANNELS = 10_000

@@ -19,7 +19,7 @@ import pytest
 from graphnav.core.cli import main
 from graphnav.core.codec import SHIPPED, comments_of, constants_of, find_type, fingerprint, lcm_name
 from graphnav.core.errors import UserError
-from graphnav.core.typeinfo import definition_files, definition_text
+from graphnav.core.typeinfo import definition_files
 from graphnav.develop.java import write_java
 
 from .conftest import TOOLS
@@ -84,7 +84,7 @@ def test_every_definition_is_package_data() -> None:
 
 def test_definitions_make_the_same_types_again(codec_types: ModuleType, tmp_path: Path) -> None:
     lcm_classes = [*SHIPPED, codec_types.every_t, codec_types.holder_t]
-    again = re.sub(r"\b(codec_types|graphnav_lcm)\b", r"defined_\1", definition_text(lcm_classes))
+    again = re.sub(r"\b(codec_types|graphnav_lcm)\b", r"defined_\1", "\n".join(definition_files(lcm_classes).values()))
     (tmp_path / "all.lcm").write_text(again)
     subprocess.run([str(TOOLS / "lcm-gen"), "-p", "--ppath", str(tmp_path), str(tmp_path / "all.lcm")], check=True)
     sys.path.insert(0, str(tmp_path))

@@ -11,7 +11,7 @@ from typing import get_args
 import pytest
 
 import graphnav
-from graphnav.core.api.arguments import check_choice, check_integer, path_of, texts_of
+from graphnav.core.api.arguments import Argument
 from graphnav.core.api.parameters import Shared
 from graphnav.core.cli import command_called, commands
 from graphnav.core.errors import UserError
@@ -89,12 +89,21 @@ def test_help_says_what_is_declared() -> None:
 @pytest.mark.parametrize(
     ("check", "message"),
     [
-        (lambda: check_integer(0, N_LAPS), "laps must be an integer of at least 1, not 0 (int)\n  write laps=3"),
-        (lambda: check_integer(10**12, N_LAPS), "laps must be at most 999999999999, not 1000000000000 (int)"),
-        (lambda: check_choice("mad", MODE), 'mode must be "slow" or "fast", not \'mad\' (str)\n  write mode="slow" in'),
-        (lambda: texts_of("a", GOALS), "goals must be a list, not 'a' (str)\n  write goals=[\"door\"]"),
-        (lambda: texts_of([1], GOALS), 'goals[0] must be a string, not 1 (int)\n  write goals=["door"]'),
-        (lambda: path_of(3, ROOM), 'room must be a path, not 3 (int)\n  write room="kitchen"'),
+        (
+            lambda: Argument(0, N_LAPS).check_integer(),
+            "laps must be an integer of at least 1, not 0 (int)\n  write laps=3",
+        ),
+        (
+            lambda: Argument(10**12, N_LAPS).check_integer(),
+            "laps must be at most 999999999999, not 1000000000000 (int)",
+        ),
+        (
+            lambda: Argument("mad", MODE).check_choice(),
+            'mode must be "slow" or "fast", not \'mad\' (str)\n  write mode="slow" in',
+        ),
+        (Argument("a", GOALS).texts, "goals must be a list, not 'a' (str)\n  write goals=[\"door\"]"),
+        (Argument([1], GOALS).texts, 'goals[0] must be a string, not 1 (int)\n  write goals=["door"]'),
+        (Argument(3, ROOM).path, 'room must be a path, not 3 (int)\n  write room="kitchen"'),
     ],
 )
 def test_python_values_are_checked(check: Callable[[], object], message: str) -> None:

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from graphnav.core.errors import UserError
-from graphnav.core.tables import markdown_table, plain_table
+from graphnav.core.tables import Table
 from result_pages.expression import MissingError, evaluate
 from result_pages.shipped_results import ShippedResults
 
@@ -88,7 +88,7 @@ class _Table:
             [variant, *(self._cell(results, {"variant": variant, **of}) for of in columns.values())]
             for variant in results.variants
         ]
-        return markdown_table(plain_table(("", *titles), rows))
+        return Table.plain(("", *titles), rows).markdown()
 
     def _columns(self, results: ShippedResults) -> Iterator[tuple[str, Mapping[str, str]]]:
         """Yield the title of each column and what is put in for the words of the expression."""

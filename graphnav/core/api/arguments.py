@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
-from graphnav.core.api.parameters import Shared
 from graphnav.core.errors import Place, UserError
 from graphnav.core.graph import Override, Target
 from graphnav.core.parameters import Integer, Parameter
-
-T = TypeVar("T")
 
 PathLike = str | os.PathLike[str]
 
@@ -25,111 +22,135 @@ _MAX_SHOWN = 60
 _MAX_S = 1e12
 
 
-def path_of(value: object, parameter: Parameter, index: str = "") -> Path:
-    """Return a path; ``index`` of its place in a list: ``[0]``.
+@dataclass(frozen=True, eq=False)
+class Argument:
+    """An argument of a Python function, with the declaration of its parameter.
 
-    Raises
-    ------
-    UserError
-        It is not a string or a path, or empty.
+    ``place``: where in what was given it is, as Python writes it: ``[0]``.
     """
-    if not isinstance(value, str | os.PathLike) or not (text := os.fspath(value)) or not isinstance(text, str):
-        name = f"{parameter.name}{index}"
-        raise wrong_type(name, value, "a path", f"write {name}={parameter.example}")
-    return Path(text)
 
+    value: object
+    parameter: Parameter
+    place: str = ""
 
-def paths_of(values: object, parameter: Parameter) -> tuple[Path, ...]:
-    """Return several paths.
+    @property
+    def name(self) -> str:
+        """The name in errors."""
+        return f"{self.parameter.name}{self.place}"
 
-    Raises
-    ------
-    UserError
-        It is not a list of strings or paths.
-    """
-    return tuple(path_of(value, parameter, f"[{number}]") for number, value in enumerate(_listed(values, parameter)))
+    def error(self, wanted: str, hint: str = "") -> UserError:
+        """Return the error for a wrong type; ``hint``: by default that of the parameter."""
+        return wrong_type(self.name, self.value, wanted, hint or self.parameter.hint)
 
+    def path(self) -> Path:
+        """Return a path.
 
-def texts_of(values: object, parameter: Parameter) -> tuple[str, ...]:
-    """Return several strings.
+        Raises
+        ------
+        UserError
+            It is not a string or a path, or empty.
+        """
+        value = self.value
+        if not isinstance(value, str | os.PathLike) or not (text := os.fspath(value)) or not isinstance(text, str):
+            raise self.error("a path", self._hint)
+        return Path(text)
 
-    Raises
-    ------
-    UserError
-        It is not a list of strings.
-    """
-    found = tuple(_listed(values, parameter))
-    for number, value in enumerate(found):
-        if not isinstance(value, str):
-            hint = f"write {parameter.name}=[{parameter.example}]"
-            raise wrong_type(f"{parameter.name}[{number}]", value, "a string", hint)
-    return tuple(map(str, found))
+    def paths(self) -> tuple[Path, ...]:
+        """Return several paths.
 
+        Raises
+        ------
+        UserError
+            It is not a list of strings or paths.
+        """
+        return tuple(one.path() for one in self._each())
 
-def check_text(value: object, parameter: Parameter, wanted: str = "a string or None") -> None:
-    """Raise UserError for a value that is neither a string nor None."""
-    if value is not None and not isinstance(value, str):
-        raise wrong_type(parameter.name, value, wanted, parameter.hint)
+    def texts(self) -> tuple[str, ...]:
+        """Return several strings.
 
+        Raises
+        ------
+        UserError
+            It is not a list of strings.
+        """
+        found = self._each()
+        for one in found:
+            if not isinstance(one.value, str):
+                raise one.error("a string", self._hint_of_list)
+        return tuple(str(one.value) for one in found)
 
-def check_number(value: object, parameter: Parameter) -> None:
-    """Raise UserError for a value that is neither a number nor None."""
-    if value is not None and (isinstance(value, bool) or not isinstance(plain(value, parameter.name), int | float)):
-        raise wrong_type(parameter.name, value, "a number or None", parameter.hint)
+    def overrides(self) -> tuple[Override, ...]:
+        """Return the overrides of a mapping of targets to values.
 
+        Raises
+        ------
+        UserError
+            It is not a mapping, a key is not a target, or a graph cannot hold a value.
+        """
+        if self.value is None:
+            return ()
+        if not isinstance(self.value, Mapping):
+            raise self.error("a mapping")
+        found = []
+        for target, value in self.value.items():
+            if not isinstance(target, str) or not target or "=" in target:
+                what = f"{self.name}: {target!r} is not a stage, a parameter or a wire"
+                raise UserError.of(what, self.parameter.hint)
+            one = Argument(value, self.parameter, f"[{target!r}]")
+            place = Place(one.name)
+            found.append(Override(Target.parse(target, place), one.yaml(), place))
+        return tuple(found)
 
-def check_integer(value: object, parameter: Parameter, index: str = "") -> None:
-    """Raise UserError for a value that is not an integer within the parameter's bounds; ``index`` as in `path_of`."""
-    bounds = parameter.type
-    assert isinstance(bounds, Integer)
-    if isinstance(value, bool) or not isinstance(value, int) or not bounds.minimum <= value <= bounds.maximum:
-        name = f"{parameter.name}{index}"
-        is_large = isinstance(value, int) and value > bounds.maximum
-        wanted = f"at most {bounds.maximum}" if is_large else f"an integer of at least {bounds.minimum}"
-        raise wrong_type(name, value, wanted, f"write {name}={parameter.example}")
+    def yaml(self) -> object:
+        """Return plain YAML data: without numpy's types, paths as strings.
 
+        Raises
+        ------
+        UserError
+            A graph cannot contain it.
+        """
+        return _paths_as_text(plain(self.value, self.name))
 
-def check_choice(value: object, parameter: Parameter) -> None:
-    """Raise UserError for a value that the parameter does not offer."""
-    choices = parameter.choices or ()
-    if value not in choices:
-        *others, last = (f'"{choice}"' for choice in choices)
-        raise wrong_type(parameter.name, value, f"{', '.join(others)} or {last}", parameter.hint)
+    def check_text(self, wanted: str = "a string or None") -> None:
+        """Raise UserError if it is neither a string nor None."""
+        if self.value is not None and not isinstance(self.value, str):
+            raise self.error(wanted)
 
+    def check_number(self) -> None:
+        """Raise UserError if it is neither a number nor None."""
+        value = self.value
+        if value is not None and (isinstance(value, bool) or not isinstance(plain(value, self.name), int | float)):
+            raise self.error("a number or None")
 
-def overrides_of(values: object) -> tuple[Override, ...]:
-    """Return the overrides of a mapping of targets to values.
+    def check_integer(self) -> None:
+        """Raise UserError if it is not an integer within the parameter's bounds."""
+        bounds, value = self.parameter.type, self.value
+        assert isinstance(bounds, Integer)
+        if isinstance(value, bool) or not isinstance(value, int) or not bounds.minimum <= value <= bounds.maximum:
+            is_large = isinstance(value, int) and value > bounds.maximum
+            wanted = f"at most {bounds.maximum}" if is_large else f"an integer of at least {bounds.minimum}"
+            raise self.error(wanted, self._hint)
 
-    Raises
-    ------
-    UserError
-        It is not a mapping, a key is not a target, or a graph cannot hold a value.
-    """
-    if values is None:
-        return ()
-    if not isinstance(values, Mapping):
-        raise wrong_type("set", values, "a mapping", Shared.SET.hint)
-    found = []
-    for target, value in values.items():
-        if not isinstance(target, str) or not target or "=" in target:
-            raise UserError.of(f"set: {target!r} is not a stage, a parameter or a wire", Shared.SET.hint)
-        place = Place(f"set[{target!r}]")
-        found.append(Override(Target.parse(target, place), yaml_value(value, place.file), place))
-    return tuple(found)
+    def check_choice(self) -> None:
+        """Raise UserError if the parameter does not offer it."""
+        choices = self.parameter.choices or ()
+        if self.value not in choices:
+            *others, last = (f'"{choice}"' for choice in choices)
+            raise self.error(f"{', '.join(others)} or {last}")
 
+    def _each(self) -> list[Argument]:
+        values = self.value
+        if isinstance(values, str | os.PathLike | Mapping) or not isinstance(values, Iterable):
+            raise self.error("a list", self._hint_of_list)
+        return [Argument(value, self.parameter, f"[{number}]") for number, value in enumerate(values)]
 
-def yaml_value(value: object, name: str) -> object:
-    """Return a value as plain YAML data: without numpy's types, paths as strings.
+    @property
+    def _hint(self) -> str:
+        return f"write {self.name}={self.parameter.example}"
 
-    Raises
-    ------
-    UserError
-        A graph cannot contain it.
-    """
-    value = plain(value, name)
-    if isinstance(value, list):
-        return [yaml_value(item, name) for item in value]
-    return str(value) if isinstance(value, Path) else value
+    @property
+    def _hint_of_list(self) -> str:
+        return f"write {self.parameter.name}=[{self.parameter.example}]"
 
 
 def plain(value: object, name: str, depth: int = 0) -> object:
@@ -176,10 +197,11 @@ def wrong_type(name: str, value: object, wanted: str, hint: str) -> UserError:
     return UserError.of(f"{name} must be {wanted}, not {said}", hint)
 
 
-def _listed(values: object, parameter: Parameter) -> Iterable[object]:
-    if isinstance(values, str | os.PathLike | Mapping) or not isinstance(values, Iterable):
-        raise wrong_type(parameter.name, values, "a list", f"write {parameter.name}=[{parameter.example}]")
-    return values
+def _paths_as_text(value: object) -> object:
+    """Return plain data with strings in place of paths."""
+    if isinstance(value, list):
+        return [_paths_as_text(item) for item in value]
+    return str(value) if isinstance(value, Path) else value
 
 
 def _shown(value: object) -> str:

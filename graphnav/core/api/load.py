@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from graphnav.core.api.arguments import PathLike, overrides_of, path_of, paths_of, plain
+from graphnav.core.api.arguments import Argument, PathLike, plain
 from graphnav.core.api.parameters import Shared
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import ParamError, Problem, UserError
@@ -55,10 +55,10 @@ def check(
     UserError
         An argument has a wrong type.
     """
-    overrides, files = overrides_of(set), paths_of(plugins, Shared.PLUGINS)
+    overrides, files = Argument(set, Shared.SET).overrides(), Argument(plugins, Shared.PLUGINS).paths()
     if isinstance(graph, Graph):
         _refuse_changes(overrides, files)
-    name = None if isinstance(graph, Graph) else path_of(graph, Shared.GRAPH)
+    name = None if isinstance(graph, Graph) else Argument(graph, Shared.GRAPH).path()
     try:
         found = (
             graph
@@ -84,11 +84,11 @@ def loaded(
     UserError
         All errors of the graph.
     """
-    overrides, files = overrides_of(sets), paths_of(plugins, Shared.PLUGINS)
+    overrides, files = Argument(sets, Shared.SET).overrides(), Argument(plugins, Shared.PLUGINS).paths()
     if isinstance(graph, Graph):
         _refuse_changes(overrides, files)
         return graph
-    name = path_of(graph, Shared.GRAPH)
+    name = Argument(graph, Shared.GRAPH).path()
     return load_with(add_plugins(catalog, files), str(name), overrides, files)
 
 

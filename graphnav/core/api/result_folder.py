@@ -8,7 +8,7 @@ import tempfile
 import weakref
 from pathlib import Path
 
-from graphnav.core.api.arguments import PathLike, path_of
+from graphnav.core.api.arguments import Argument, PathLike
 from graphnav.core.api.parameters import Shared
 from graphnav.core.errors import UserError
 from graphnav.core.parameters import Parameter
@@ -48,7 +48,7 @@ class KeptFolder:
         UserError
             ``given`` is not a path.
         """
-        return KeptFolder(path_of(given, declared).absolute(), is_temporary=False)
+        return KeptFolder(Argument(given, declared).path().absolute(), is_temporary=False)
 
     @staticmethod
     def new(given: PathLike | None) -> KeptFolder:
@@ -61,7 +61,7 @@ class KeptFolder:
         """
         if given is None:
             return KeptFolder.temporary()
-        path = path_of(given, Shared.FOLDER)
+        path = Argument(given, Shared.FOLDER).path()
         hint = "choose another folder"
         try:
             if path.exists() and not path.is_dir():

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from graphnav.core.api.arguments import PathLike, check_choice, check_number, check_text
+from graphnav.core.api.arguments import Argument, PathLike
 from graphnav.core.api.blas_threads import one_thread
 from graphnav.core.api.execute import execute, runs_live
 from graphnav.core.api.finished_run import Run
@@ -20,7 +20,7 @@ from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph
 from graphnav.core.lcm_url import live_url
 from graphnav.core.parameters import documented
-from graphnav.core.report.pictures import draw_all
+from graphnav.core.report.pictures import LogPictures
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.full_log import FullLog
@@ -71,9 +71,9 @@ def run(
     GraphnavError
         A file cannot be written.
     """
-    check_number(pace, Shared.PACE)
-    check_choice(tap, Shared.TAP)
-    check_text(url, Shared.LIVE_URL)
+    Argument(pace, Shared.PACE).check_number()
+    Argument(tap, Shared.TAP).check_choice()
+    Argument(url, Shared.LIVE_URL).check_text()
     catalog = Catalog(Trust(runs_all=True))
     checked = with_run_options(
         loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s, "record": record}
@@ -129,7 +129,7 @@ def _draw(catalog: Catalog, graph: Graph, folder: Path, full: FullLog) -> Sequen
     """Return the pictures of a run; log those that cannot be drawn as notices."""
     try:
         with _drawing, full.recording(folder / RunFolder.LOG, tell) as recording:
-            return draw_all(add_plugins(catalog, graph.plugins), recording, folder)
+            return LogPictures(add_plugins(catalog, graph.plugins), recording, folder).draw()
     except GraphnavError as error:
         tell(f"not drawn: {error}")
         return sorted(folder.glob("*.png"))

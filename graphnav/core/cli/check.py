@@ -66,9 +66,7 @@ def _print(graph: Graph, args: argparse.Namespace) -> int:
     for notice in notices_of(graph, verbose=args.verbose):
         console.print(notice, markup=False)
     if len(args.graph) == 1:
-        from graphnav.core.tables import folded
-
-        console.print(folded(_table(graph)))
+        console.print(_table(graph).folded())
     if graph.is_live:
         console.print(f"it runs live: {_outside(graph)}", markup=False)
     parts = [
@@ -99,7 +97,7 @@ def _outside(graph: Graph) -> str:
 
 def _table(graph: Graph) -> Table:
     from graphnav.core.cli.type_names import short_type
-    from graphnav.core.tables import plain_table
+    from graphnav.core.tables import Table
 
     rows = []
     for given in graph.inputs.values():
@@ -111,7 +109,7 @@ def _table(graph: Graph) -> Table:
     for output in graph.outputs.values():
         kind = "motor output" if output.motor else "output"
         rows.append(("", kind, output.channel.ref, f"{output.name}: {short_type(output.type_name)}"))
-    return plain_table(("stage", "uses", "reads", "writes"), rows)
+    return Table.plain(("stage", "uses", "reads", "writes"), rows)
 
 
 def _writes(node: Node) -> list[str]:

@@ -95,7 +95,7 @@ def main(args: argparse.Namespace) -> int:
 def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
     """Draw the pictures of a run; return the files of its folder as they are listed, logs with their sizes."""
     from graphnav.core.record.log_paths import parts_of
-    from graphnav.core.report.pictures import draw_all
+    from graphnav.core.report.pictures import LogPictures
     from graphnav.core.run_folder import RunFolder
     from graphnav.core.runner.recording.log_forecast import size_text
 
@@ -106,7 +106,7 @@ def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: 
     elif wants_pictures:
         try:
             with full.recording(folder / RunFolder.LOG, print_notice) as recording:
-                pictures = [path.name for path in draw_all(catalog, recording, folder, video=args.video)]
+                pictures = [path.name for path in LogPictures(catalog, recording, folder).draw(video=args.video)]
         except DrawingError as error:
             report = FailureReport(args)
             report(error)

@@ -57,9 +57,7 @@ def main(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps([describe(use, catalog.stage(use), catalog.origin(use)) for use in uses], indent=2))
     else:
-        from graphnav.core.tables import folded
-
-        console.print(folded(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS)))
+        console.print(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS).folded())
         console.print("details: graphnav stages NAME", markup=False)
     return Exit.OK
 
@@ -94,7 +92,7 @@ def _message_called(name: str, catalog: Catalog) -> type[Message]:
 def _print_ports(args: argparse.Namespace, console: Console, catalog: Catalog, message: type[Message]) -> None:
     """Print the stages that write a message type, then those that read it."""
     from graphnav.core.stage import summary_of
-    from graphnav.core.tables import folded, plain_table
+    from graphnav.core.tables import Table
 
     ports = sorted(catalog.ports(message), key=lambda found: not found[2])
     if args.json:
@@ -108,7 +106,7 @@ def _print_ports(args: argparse.Namespace, console: Console, catalog: Catalog, m
     for use, port, is_output in ports:
         how = f"{port.name}{f' ({port.reading})' if port.reading else ''}"
         rows.append(("written by" if is_output else "read by", use, how, summary_of(catalog.stage(use))))
-    table = folded(plain_table((message.__name__, "stage", "port", "description"), rows))
+    table = Table.plain((message.__name__, "stage", "port", "description"), rows).folded()
     console.print(table if ports else f"no installed stage writes or reads {message.__name__}", markup=False)
     console.print(f"fields: graphnav types {message.__name__}", markup=False)
 
@@ -130,7 +128,7 @@ def _uses(catalog: Catalog, families: list[str], *, all_must_load: bool) -> list
 
 def _all(catalog: Catalog, uses: list[str], *, with_ports: bool) -> Table:
     from graphnav.core.stage import ports_of, summary_of
-    from graphnav.core.tables import plain_table
+    from graphnav.core.tables import Table
 
     rows = []
     for use in uses:
@@ -139,11 +137,10 @@ def _all(catalog: Catalog, uses: list[str], *, with_ports: bool) -> Table:
         reads = ", ".join(f"{p.name}{f' ({p.reading})' if p.reading else ''}" for p in ports.inputs)
         writes = ", ".join(p.name for p in ports.outputs)
         rows.append((use, *((reads, writes) if with_ports else ()), summary_of(cls)))
-    return plain_table(("stage", *(("reads", "writes") if with_ports else ()), "description"), rows)
+    return Table.plain(("stage", *(("reads", "writes") if with_ports else ()), "description"), rows)
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
-    from graphnav.core.tables import folded
 
     console.print(
         f"{described['name']}, a {described['kind']} of {described['origin']}",
@@ -156,7 +153,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     for table in _tables(described):
         if table.rows:
             console.print()
-            console.print(folded(table))
+            console.print(table.folded())
     console.print()
     console.print("In a graph:")
     console.print(_snippet(described), markup=False, soft_wrap=True)
@@ -164,22 +161,22 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
 
 def _tables(described: dict[str, Any]) -> Iterator[Table]:
     """Yield the ports, the parameters and the metrics of a stage."""
-    from graphnav.core.tables import plain_table
+    from graphnav.core.tables import Table
 
     ports = [(port["name"], port["type"], f"input, {_reading(port)}") for port in described["inputs"]]
     ports += [(port["name"], port["type"], "output") for port in described["outputs"]]
-    yield plain_table(("port", "type", ""), ports)
+    yield Table.plain(("port", "type", ""), ports)
     params = []
     for param in described["parameters"]:
         kind = param["type"] + (f", {param['bounds']}" if param["bounds"] else "")
         kind += f", {param['unit']}" if param["unit"] else ""
         params.append((param["name"], kind, _default(param), param["doc"]))
-    yield plain_table(("parameter", "type", "default", "meaning"), params)
+    yield Table.plain(("parameter", "type", "default", "meaning"), params)
     metrics = [
         (one["name"], one["unit"], one["better"], _if_failed(one), _min_difference(one), one["doc"])
         for one in described["metrics"]
     ]
-    yield plain_table(("metric", "unit", "better", "if failed", "matters from", "what it means"), metrics)
+    yield Table.plain(("metric", "unit", "better", "if failed", "matters from", "what it means"), metrics)
 
 
 def _reading(port: Mapping[str, Any]) -> str:

@@ -4,19 +4,17 @@ from graphnav.core.graph.find import find_graph, shipped_folder, shipped_graphs,
 from graphnav.core.graph.graph import Graph
 from graphnav.core.graph.load import graph_of, load_graph, outline_of_file
 from graphnav.core.graph.node import Channel, Input, InputChannel, Node, OutputChannel
-from graphnav.core.graph.overrides.override import Override, parse_value, without_replaced
+from graphnav.core.graph.overrides.override import Override
 from graphnav.core.graph.overrides.target import Target
 from graphnav.core.graph.paths import beside, has_path, resolve_paths
 from graphnav.core.graph.resolved import resolved_yaml
 from graphnav.core.graph.schema import graph_schema
 from graphnav.core.graph.wiring.channels import RESERVED
-from graphnav.core.graph.wiring.settings import SET
 from graphnav.core.graph.wiring.stop_message import stop_fields
 from graphnav.core.spec import RunOptions
 
 __all__ = [
     "RESERVED",
-    "SET",
     "Channel",
     "Graph",
     "Input",
@@ -33,12 +31,10 @@ __all__ = [
     "has_path",
     "load_graph",
     "outline_of_file",
-    "parse_value",
     "resolve_paths",
     "resolved_yaml",
     "shipped_folder",
     "shipped_graphs",
     "stop_fields",
     "suggest_graph",
-    "without_replaced",
 ]

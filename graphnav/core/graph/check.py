@@ -9,12 +9,12 @@ from typing import Any
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Problem, did_you_mean
 from graphnav.core.graph.graph import Graph
-from graphnav.core.graph.node import Channel, Input, LeftOut, Node
+from graphnav.core.graph.node import SET, Channel, Input, LeftOut, Node
 from graphnav.core.graph.wiring.channels import channels_of, check_outside_names
 from graphnav.core.graph.wiring.firing import check_stamps, firing_order
 from graphnav.core.graph.wiring.inputs import inputs_of
 from graphnav.core.graph.wiring.outputs import outputs_of, unnoticed_faults
-from graphnav.core.graph.wiring.settings import SET, run_options, settings_of
+from graphnav.core.graph.wiring.settings import run_options, settings_of
 from graphnav.core.graph.wiring.wires import Wires
 from graphnav.core.messages import Message
 from graphnav.core.spec import Spec, StageSpec

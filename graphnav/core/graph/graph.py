@@ -10,6 +10,7 @@ from graphnav.core.errors import ParamError, Problem, UserError, fix_the_plugin,
 from graphnav.core.graph.node import Channel, InputChannel, Node, OutputChannel
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.machine.instruction_set import require_portable
+from graphnav.core.messages import Twist
 from graphnav.core.spec import RunOptions
 from graphnav.core.stage import Metric, Stage, metrics_of, params_of, tell_readers
 
@@ -54,6 +55,12 @@ class Graph:
     def sources(self) -> tuple[Node, ...]:
         """The stages that the clock fires, in the file's order."""
         return tuple(node for node in self.nodes if node.is_source)
+
+    @property
+    def commands(self) -> tuple[Channel, ...]:
+        """The channels of commands that sources sample: what moves the robot of a world."""
+        found = (i.channel for node in self.sources for i in node.inputs if i.channel is not None)
+        return tuple({channel.name: channel for channel in found if channel.message is Twist}.values())
 
     @property
     def metrics(self) -> Mapping[str, Mapping[str, Metric]]:

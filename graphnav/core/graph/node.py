@@ -14,6 +14,8 @@ from graphnav.core.errors import ParamError, Place, Problem
 from graphnav.core.messages import Message
 from graphnav.core.stage import Port, Source, Stage, ports_of
 
+SET: Literal["--set"] = "--set"
+"""The origin of what an override gives, wherever it was written."""
 Origin = Literal["graph", "default", "--set"]
 """Where the value of a parameter comes from."""
 
@@ -167,6 +169,18 @@ class Node:
     def is_source(self) -> bool:
         """Whether the clock fires it."""
         return issubclass(self.stage_class, Source)
+
+    @property
+    def is_overridden(self) -> bool:
+        """Whether ``--set`` put it here or gives one of its parameters."""
+        return bool(self.use_note) or any(setting.origin == SET for setting in self.settings.values())
+
+    @property
+    def reproducible(self) -> tuple[Channel, ...]:
+        """The channels that it makes again when it is stepped again, if it is a source (`Source.reproducible`)."""
+        if not issubclass(self.stage_class, Source):
+            return ()
+        return tuple(self.outputs[port] for port in self.stage_class.reproducible)
 
     def problem(self, error: ParamError) -> Problem:
         """Return a parameter's error as a problem at the parameter's place; a default is named, for it has none."""

@@ -12,7 +12,7 @@ from graphnav.core.machine.console import Console
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.runner.simulated_clock import MAX_LATE_S
 from graphnav.core.stage import Better, Metric
-from graphnav.core.tables import Column, Table, plain_table, print_table
+from graphnav.core.tables import Column, Table
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
 _ENDINGS = {
@@ -45,7 +45,7 @@ def print_summary(
     elif shown := _first_metrics(summary, declared):
         tables.append(_few(shown))
     for table in tables:
-        print_table(console, table)
+        table.print(console)
     undefined = _undefined(summary, declared) if is_verbose else []
     if undefined:
         console.print(Text(f"undefined in this run: {', '.join(undefined)}"), soft_wrap=True)
@@ -135,7 +135,7 @@ def _outside(live: Mapping[str, Any]) -> Iterator[Table]:
 
 def _right_table(names: Sequence[str], numbers: Sequence[str], rows: Sequence[Sequence[object]]) -> Table:
     """Return a table whose names stay where it is too wide, and whose other columns are numbers."""
-    return plain_table((*names, *numbers), rows, right=numbers, n_fixed=len(names))
+    return Table.plain((*names, *numbers), rows, right=numbers, n_fixed=len(names))
 
 
 def _scores(summary: Summary, declared: Declared = NONE_DECLARED) -> Table:
@@ -145,4 +145,4 @@ def _scores(summary: Summary, declared: Declared = NONE_DECLARED) -> Table:
             metric = declared.get(stage, {}).get(name)
             label, better = (metric.label, _WHERE_BETTER[metric.better]) if metric else (name, "")
             rows.append(("" if place else stage, label, f"{value:.4g}", better))
-    return plain_table(("score", "metric", "value", "better"), rows, right=("value",), n_fixed=2)
+    return Table.plain(("score", "metric", "value", "better"), rows, right=("value",), n_fixed=2)

@@ -32,17 +32,16 @@ class Taken(NamedTuple):
     age_s: float
     used: Sequence[Used]
 
-
-def encoded_firing(fired_us: int, stage: str, utime: int, seq: int, age_s: float, used: Sequence[Used]) -> bytes:
-    """Return the bytes of a `Fired`."""
-    fired = Fired(
-        fired_us=fired_us,
-        stage=stage,
-        age_s=age_s,
-        ports=tuple(one.port for one in used),
-        numbers=np.array([one.number for one in used], np.int64),
-        stamps_us=np.array([one.utime for one in used], np.int64),
-        ages_s=np.array([one.age_s for one in used], np.float64),
-        faults=tuple(one.fault for one in used),
-    )
-    return encode(fired, utime, seq)
+    def encoded(self, fired_us: int, stage: str, utime: int, seq: int) -> bytes:
+        """Return the bytes of the `Fired` of a step at ``utime``."""
+        fired = Fired(
+            fired_us=fired_us,
+            stage=stage,
+            age_s=self.age_s,
+            ports=tuple(one.port for one in self.used),
+            numbers=np.array([one.number for one in self.used], np.int64),
+            stamps_us=np.array([one.utime for one in self.used], np.int64),
+            ages_s=np.array([one.age_s for one in self.used], np.float64),
+            faults=tuple(one.fault for one in self.used),
+        )
+        return encode(fired, utime, seq)

@@ -6,8 +6,7 @@ import heapq
 from collections.abc import Callable, Mapping, Sequence
 from time import perf_counter
 
-from graphnav.core.graph import Channel, Graph
-from graphnav.core.messages import Twist
+from graphnav.core.graph import Graph
 from graphnav.core.runner.engine import Engine, Outcome, Sink, Spans
 from graphnav.core.runner.lockstep_inbox import LockstepInbox
 from graphnav.core.runner.stage_calls import StageCalls
@@ -40,7 +39,7 @@ class Lockstep:
             sinks,
             LockstepInbox,
             LockstepInbox.put,
-            commands=command_channels(graph),
+            commands=graph.commands,
             spans=spans,
             calls=calls,
         )
@@ -113,9 +112,3 @@ def fire_complete(engine: Engine[LockstepInbox], unit: Unit[LockstepInbox], stam
         fire(engine, unit, stamp)
     else:
         unit.inbox.discard()
-
-
-def command_channels(graph: Graph) -> list[Channel]:
-    """Return the channels of commands that sources sample: what moves the robot of a world."""
-    found = (i.channel for node in graph.sources for i in node.inputs if i.channel is not None)
-    return list({channel.name: channel for channel in found if channel.message is Twist}.values())

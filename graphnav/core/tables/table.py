@@ -1,4 +1,4 @@
-"""A table, and how Markdown, HTML, csv and pandas show it; `graphnav.core.tables.terminal` is for the terminal."""
+"""A table, and how the terminal, Markdown, HTML, csv and pandas show it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     import pandas as pd
     from markupsafe import Markup
+    from rich.table import Table as RichTable
+
+    from graphnav.core.machine.console import Console
 
 Tone = Literal["", "good", "bad", "warning", "clear", "quiet", "strong"]
 """How a cell stands out. "clear": a difference that is clear, of which neither side is better."""
@@ -78,62 +81,104 @@ class Table:
             sizes[column.group] = sizes.get(column.group, 0) + 1
         return sizes
 
-
-def plain_table(
-    header: Iterable[str],
-    rows: Iterable[Sequence[object]],
-    *,
-    right: Collection[str] = (),
-    title: str = "",
-    n_fixed: int = 1,
-    n_sums: int = 0,
-) -> Table:
-    """Return a table in which each column stands for itself; those that ``right`` names hold numbers to be aligned."""
-    columns = [
-        Column(name, f"{place}" if place else "", "right" if name in right else "left")
-        for place, name in enumerate(header)
-    ]
-    return Table(columns, list(rows), title, n_fixed, n_sums)
-
-
-def csv_text(table: Table) -> str:
-    """Return a table as comma-separated values; numbers so that reading them gives the same number back."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(table.header)
-    writer.writerows(table.values())
-    return text.getvalue()
-
-
-def data_frame(table: Table, user: str) -> pd.DataFrame:
-    """Return a table as a DataFrame; raises UserError, which names the ``user``, without pandas."""
-    from graphnav.core.machine.extras import import_pandas
-
-    names = table.header
-    rows = [
-        {name: value for name, value in zip(names, row, strict=True) if value is not None} for row in table.values()
-    ]
-    return import_pandas(user).DataFrame(rows, columns=names)
-
-
-def markdown_tables(table: Table, groups_per_table: int = GROUPS_PER_TABLE) -> Iterator[str]:
-    """Yield a table in Markdown, in several of a few groups each; only the first has the columns without a group."""
-    names = list(dict.fromkeys(column.group for column in table.columns if column.group))
-    for first in range(0, max(len(names), 1), groups_per_table):
-        some = {*names[first : first + groups_per_table], *([""] if first == 0 else [])}
-        shown = [0, *(place for place, column in enumerate(table.columns) if place and column.group in some)]
-        lines = [
-            [escaped(table.columns[place].name) for place in shown],
-            ["---"] * len(shown),
-            *([_marked_up(row[place]) for place in shown] for row in table.cells()),
+    @staticmethod
+    def plain(
+        header: Iterable[str],
+        rows: Iterable[Sequence[object]],
+        *,
+        right: Collection[str] = (),
+        title: str = "",
+        n_fixed: int = 1,
+        n_sums: int = 0,
+    ) -> Table:
+        """Return a table in which each column stands for itself; those that ``right`` names hold aligned numbers."""
+        columns = [
+            Column(name, f"{place}" if place else "", "right" if name in right else "left")
+            for place, name in enumerate(header)
         ]
-        yield "\n".join(map(_markdown_row, lines))
+        return Table(columns, list(rows), title, n_fixed, n_sums)
+
+    def csv_text(self) -> str:
+        """Return comma-separated values; numbers so that reading them gives the same number back."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(self.header)
+        writer.writerows(self.values())
+        return text.getvalue()
+
+    def data_frame(self, user: str) -> pd.DataFrame:
+        """Return a DataFrame; raises UserError, which names the ``user``, without pandas."""
+        from graphnav.core.machine.extras import import_pandas
+
+        names = self.header
+        rows = [
+            {name: value for name, value in zip(names, row, strict=True) if value is not None} for row in self.values()
+        ]
+        return import_pandas(user).DataFrame(rows, columns=names)
+
+    def markdown_parts(self, groups_per_table: int = GROUPS_PER_TABLE) -> Iterator[str]:
+        """Yield Markdown, several tables of a few groups each; only the first has the columns without a group."""
+        names = list(dict.fromkeys(column.group for column in self.columns if column.group))
+        for first in range(0, max(len(names), 1), groups_per_table):
+            some = {*names[first : first + groups_per_table], *([""] if first == 0 else [])}
+            shown = [0, *(place for place, column in enumerate(self.columns) if place and column.group in some)]
+            lines = [
+                [escaped(self.columns[place].name) for place in shown],
+                ["---"] * len(shown),
+                *([_marked_up(row[place]) for place in shown] for row in self.cells()),
+            ]
+            yield "\n".join(map(_markdown_row, lines))
+
+    def markdown(self) -> str:
+        """Return one table in Markdown, with all columns."""
+        [text] = self.markdown_parts(max(len(self.columns), 1))
+        return text
+
+    def html(self, kind: Literal["page", "notebook"]) -> Markup:
+        """Return HTML.
+
+        On a "page" a style sheet aligns cells, and a wide table scrolls by itself; in a "notebook", whose own style
+        aligns cells to the right, those to the left say so.
+        """
+        from graphnav.core.html_templates import rendered
+
+        aligns = [column.align for column in self.columns]
+        values = {"header": self.header, "rows": list(self.cells()), "aligns": aligns}
+        return rendered("graphnav.core.tables", f"{kind}.html", **values)
+
+    def print(self, console: Console, *, is_framed: bool = True) -> None:
+        """Print it in parts that fit the terminal; with a line below the heading if ``is_framed``."""
+        for block in self.fitted(console, is_framed=is_framed):
+            console.print(block, soft_wrap=True)
+
+    def fitted(self, console: Console, *, is_framed: bool = True) -> list[RichTable]:
+        """Return the parts that fit the terminal, each with the fixed columns, as `terminal.fitted` divides them."""
+        from graphnav.core.tables.terminal import fitted
+
+        return fitted(console, self, is_framed=is_framed)
+
+    def print_folded(self) -> None:
+        """Print it as wide as the terminal, or as wide as needed without one; long cells are folded."""
+        from graphnav.core.tables.terminal import print_folded
+
+        print_folded(self)
+
+    def folded(self) -> RichTable:
+        """Return it as wide as the terminal; long cells are folded, but not those of the first column."""
+        from graphnav.core.tables.terminal import folded
+
+        return folded(self)
+
+    def cut(self, *, shrinking: Collection[str], wrapped: Collection[str], style: str = "") -> RichTable:
+        """Return it for a screen that is drawn again and again, with a line for each row: see `terminal.cut`."""
+        from graphnav.core.tables.terminal import cut
+
+        return cut(self, shrinking=shrinking, wrapped=wrapped, style=style)
 
 
-def markdown_table(table: Table) -> str:
-    """Return a table in Markdown, with all its columns."""
-    [text] = markdown_tables(table, max(len(table.columns), 1))
-    return text
+def escaped(text: str) -> str:
+    """Return a string that Markdown shows unchanged, in a table too."""
+    return text.translate(_ESCAPED)
 
 
 def _markdown_row(cells: Iterable[str]) -> str:
@@ -145,21 +190,3 @@ def _marked_up(cell: Cell) -> str:
     shown = cell.text if cell.is_markdown else escaped(cell.text)
     text = " ".join([shown, *(f"({escaped(mark)})" for mark in cell.marks)])
     return f"**{text}**" if cell.tone in _BOLD else text
-
-
-def escaped(text: str) -> str:
-    """Return a string that Markdown shows unchanged, in a table too."""
-    return text.translate(_ESCAPED)
-
-
-def html_table(table: Table, kind: Literal["page", "notebook"]) -> Markup:
-    """Return a table as HTML.
-
-    On a "page" a style sheet aligns cells, and a wide table scrolls by itself; in a "notebook", whose own style aligns
-    cells to the right, those to the left say so.
-    """
-    from graphnav.core.html_templates import rendered
-
-    aligns = [column.align for column in table.columns]
-    values = {"header": table.header, "rows": list(table.cells()), "aligns": aligns}
-    return rendered("graphnav.core.tables", f"{kind}.html", **values)

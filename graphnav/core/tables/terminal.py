@@ -21,12 +21,6 @@ _LIST = (0, 2, 0, 2)
 """Padding of a table without headings."""
 
 
-def print_table(console: Console, table: Table, *, is_framed: bool = True) -> None:
-    """Print a table, in parts that fit the terminal; with a line below the heading if ``is_framed``."""
-    for block in fitted(console, table, is_framed=is_framed):
-        console.print(block, soft_wrap=True)
-
-
 def fitted(console: Console, table: Table, *, is_framed: bool = True) -> list[RichTable]:
     """Return a table as it is where it fits the terminal, else several, each with its fixed columns.
 

@@ -59,11 +59,6 @@ def nested_types(lcm_class: type) -> list[type]:
     return found
 
 
-def summary_of_type(lcm_class: type) -> str:
-    """Return the first line of a type's description."""
-    return (inspect.getdoc(message_class_of(lcm_class) or lcm_class) or "").partition("\n")[0]
-
-
 def definition_files(lcm_classes: Iterable[type]) -> dict[str, str]:
     """Return the ``.lcm`` files of types and of all that are nested in them: file name and text, sorted by name.
 
@@ -74,11 +69,6 @@ def definition_files(lcm_classes: Iterable[type]) -> dict[str, str]:
     for lcm_class in lcm_classes:
         found |= {f"{lcm_name(one)}.lcm": one for one in (lcm_class, *nested_types(lcm_class))}
     return {name: _text(found[name]) for name in sorted(found)}
-
-
-def definition_text(lcm_classes: Iterable[type]) -> str:
-    """Return the definitions of types and of all that are nested in them, as one file for lcm-gen."""
-    return "\n".join(definition_files(lcm_classes).values())
 
 
 def _text(lcm_class: type) -> str:

@@ -46,14 +46,14 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.cli import listed_types, type_called
     from graphnav.core.machine import Console
-    from graphnav.core.typeinfo import definition_text, describe_type
+    from graphnav.core.typeinfo import definition_files, describe_type
 
     catalog = catalog_of(args)
     given = load_types_of(args, catalog)
     found = {args.name: type_called(args.name, catalog, given)} if args.name else listed_types(catalog) | given
     console = Console(highlight=False)
     if args.lcm:
-        print(definition_text(found.values()), end="")
+        print("\n".join(definition_files(found.values()).values()), end="")
     elif args.java is not None:
         _write_java(list(found.values()), args.java)
     elif args.json:
@@ -62,27 +62,24 @@ def main(args: argparse.Namespace) -> int:
     elif args.name:
         _print_one(console, describe_type(found[args.name]))
     else:
-        from graphnav.core.tables import folded
-
-        console.print(folded(_all(found)))
+        console.print(_all(found).folded())
         console.print("'graphnav types NAME' describes one.", markup=False)
     return Exit.OK
 
 
 def _all(found: dict[str, type]) -> Table:
-    from graphnav.core.codec import message_class_of
-    from graphnav.core.tables import plain_table
-    from graphnav.core.typeinfo import summary_of_type
+    from graphnav.core.tables import Table
+    from graphnav.core.typeinfo import describe_type
 
     rows = []
     for name, lcm_class in found.items():
-        message = message_class_of(lcm_class)
-        rows.append((message.__name__ if message else "", name, summary_of_type(lcm_class)))
-    return plain_table(("message", "LCM type", "description"), rows)
+        described = describe_type(lcm_class)
+        rows.append((described["message"] or "", name, described["doc"].partition("\n")[0]))
+    return Table.plain(("message", "LCM type", "description"), rows)
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
-    from graphnav.core.tables import folded, plain_table
+    from graphnav.core.tables import Table
 
     title = f"{described['message']}, {described['type']}" if described["message"] else described["type"]
     console.print(f"{title}, fingerprint {described['fingerprint']}", style="bold", markup=False)
@@ -95,7 +92,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
         kind = field["type"].removeprefix(f"{described['type'].rpartition('.')[0]}.")
         rows.append((field["name"], kind + dims, field["unit"], field["doc"]))
     console.print()
-    console.print(folded(plain_table(("field", "type", "unit", "description"), rows)))
+    console.print(Table.plain(("field", "type", "unit", "description"), rows).folded())
     for name, value in described["constants"].items():
         console.print(f"{name} = {value}", markup=False)
     for name in described["nested"]:

@@ -10,7 +10,7 @@ from typing import Any
 from rich.text import Text
 
 from graphnav.core.machine import Console
-from graphnav.core.tables import Table, plain_table, print_table
+from graphnav.core.tables import Table
 from graphnav.develop.parameters import Clock
 from graphnav.develop.profiling.flame import Node, flame_svg
 
@@ -164,7 +164,7 @@ def print_profile(console: Console, profile: Profile, *, slowest_first: bool = F
     console.print(_amount(profile))
     for table in (_stages(profile, slowest_first), _channels(profile, slowest_first), _sum(profile)):
         if table.rows:
-            print_table(console, table)
+            table.print(console)
     for line in _notes(profile):
         console.print(line)
 
@@ -187,7 +187,7 @@ def _stages(profile: Profile, slowest_first: bool) -> Table:  # noqa: FBT001
     numbers = ("steps", "ms a tick", "share", "step p50 ms", "p99 ms", "beyond the step µs")
     stages = sorted(profile.stages, key=lambda stage: -stage.ms) if slowest_first else profile.stages
     rows = [(stage.name, stage.use, *_stage_cells(stage)) for stage in stages]
-    return plain_table(("stage", "use", *numbers), rows, right=numbers)
+    return Table.plain(("stage", "use", *numbers), rows, right=numbers)
 
 
 def _stage_cells(stage: StageTime) -> Iterator[str]:
@@ -201,7 +201,7 @@ def _channels(profile: Profile, slowest_first: bool) -> Table:  # noqa: FBT001
     numbers = ("messages a tick", "bytes", *times)
     channels = sorted(profile.channels, key=lambda one: -one.total_us) if slowest_first else profile.channels
     rows = [(channel.name, *_channel_cells(channel, has_tap)) for channel in channels]
-    return plain_table(("channel", *numbers), rows, right=numbers)
+    return Table.plain(("channel", *numbers), rows, right=numbers)
 
 
 def _channel_cells(channel: ChannelTime, has_tap: bool) -> Iterator[str]:  # noqa: FBT001
@@ -223,7 +223,7 @@ def _sum(profile: Profile) -> Table:
     rows.append(("tick", profile.tick_ms, f"{profile.ticks_per_s:.0f}", quantiles))
     numbers = ("ms a tick", "share", "ticks/s")
     cells = [(part, f"{ms:.3f}", _share(ms, profile), rate, said) for part, ms, rate, said in rows]
-    return plain_table(("part", *numbers, ""), cells, right=numbers, n_sums=1)
+    return Table.plain(("part", *numbers, ""), cells, right=numbers, n_sums=1)
 
 
 def _share(ms: float, profile: Profile) -> str:

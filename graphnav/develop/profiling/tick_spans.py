@@ -10,9 +10,9 @@ from enum import Enum, auto
 from typing import Any
 
 from graphnav import Message
-from graphnav.core.bus import Bus, Handler
+from graphnav.core.bus import Bus
 from graphnav.core.graph import Channel
-from graphnav.core.runner import Decode, Durations, Encode, Fire, Publish, Sink, Spans, Unit
+from graphnav.core.runner import Durations, Sink, Spans, Unit
 from graphnav.develop.profiling.step_functions import StepFunctions
 from graphnav.develop.profiling.stopwatch import Part, Stopwatch
 
@@ -77,7 +77,7 @@ class TickSpans(Spans):
 
         return measured
 
-    def fire(self, fire: Fire) -> Fire:
+    def fire(self, fire: Callable[..., str | None]) -> Callable[..., str | None]:
         """Measure a firing; what none of the other spans accounts for is its own."""
 
         def timed(unit: Unit[Any], stamp: int, inputs: dict[str, Any], age_s: float) -> str | None:
@@ -110,7 +110,7 @@ class TickSpans(Spans):
 
         return timed_step
 
-    def publish(self, publish: Publish) -> Publish:
+    def publish(self, publish: Callable[..., None]) -> Callable[..., None]:
         """End the check of an output, and begin that of the next one."""
 
         def timed(channel: Channel, utime: int, message: Message) -> None:
@@ -124,7 +124,7 @@ class TickSpans(Spans):
 
         return timed
 
-    def encode(self, encode: Encode) -> Encode:
+    def encode(self, encode: Callable[..., bytes]) -> Callable[..., bytes]:
         """Measure encoding, by channel."""
 
         def timed(channel: Channel, utime: int, number: int, message: Message) -> bytes:
@@ -138,7 +138,7 @@ class TickSpans(Spans):
 
         return timed
 
-    def decode(self, decode: Decode) -> Decode:
+    def decode(self, decode: Callable[..., tuple[int, int, Message]]) -> Callable[..., tuple[int, int, Message]]:
         """Measure decoding, by channel."""
 
         def timed(channel: Channel, data: bytes) -> tuple[int, int, Message]:
@@ -190,7 +190,7 @@ class TimedBus(Bus):
         self._timed.publish(channel, data)
         self._watch.leave()
 
-    def subscribe(self, channel: str, handler: Handler) -> None:
+    def subscribe(self, channel: str, handler: Callable[[str, bytes], None]) -> None:
         """Call ``handler(channel, data)`` for each message of exactly this channel."""
 
         def received(channel: str, data: bytes) -> None:

@@ -11,7 +11,7 @@ from rich.console import Group
 from rich.text import Text
 
 from graphnav.core.machine import Console
-from graphnav.core.tables import Cell, Table, fitted, plain_table
+from graphnav.core.tables import Cell, Table
 from graphnav.replay.comparison.result import ChannelResult, FirstDifference, ReplayResult, Reproduced
 
 _MAX_CHARS = 40
@@ -28,7 +28,7 @@ def as_text(result: ReplayResult, console: Console) -> Group:
     changed = dict(_changed_metrics(result))
     if changed:
         tables.append(_metrics(changed))
-    blocks = [block for table in tables for block in fitted(console, table)]
+    blocks = [block for table in tables for block in table.fitted(console)]
     lines = []
     n_equal = sum(map(len, result.scores.values())) - sum(map(len, changed.values()))
     if n_equal:
@@ -98,7 +98,7 @@ def _channels(channels: Mapping[str, ChannelResult]) -> Table:
             *([str(channel.n_not_recorded)] if has_unrecorded else []),
         ]
         rows.append([Cell(text, "" if channel.is_equal else "bad") for text in cells])
-    return plain_table(("channel", "first at", *numbers), rows, right=numbers)
+    return Table.plain(("channel", "first at", *numbers), rows, right=numbers)
 
 
 def _fields(channels: Mapping[str, ChannelResult]) -> Table:
@@ -118,7 +118,7 @@ def _fields(channels: Mapping[str, ChannelResult]) -> Table:
             ]
             rows.append(cells)
     numbers = ("differ", "max abs")
-    return plain_table(("field", "first at", "recorded", "replayed", *numbers), rows, right=numbers)
+    return Table.plain(("field", "first at", "recorded", "replayed", *numbers), rows, right=numbers)
 
 
 def _changed_metrics(result: ReplayResult) -> Iterator[tuple[str, dict[str, tuple[float | None, float]]]]:
@@ -142,7 +142,7 @@ def _metrics(changed: Mapping[str, Mapping[str, tuple[float | None, float]]]) ->
         for place, (name, (recorded, replayed)) in enumerate(metrics.items()):
             old = "" if recorded is None else f"{recorded:.6g}"
             rows.append(("" if place else stage, name, old, f"{replayed:.6g}"))
-    return plain_table(("stage", "metric", "recorded", "replayed"), rows, right=("recorded", "replayed"))
+    return Table.plain(("stage", "metric", "recorded", "replayed"), rows, right=("recorded", "replayed"))
 
 
 def _said(first: FirstDifference) -> str:

@@ -12,7 +12,6 @@ from graphnav import About, Graph, Recording, UserError
 from graphnav.core.codec import fingerprint
 from graphnav.core.graph import RESERVED, Channel
 from graphnav.core.record import Head
-from graphnav.core.runner import command_channels
 
 _MAX_TOLD = 5
 
@@ -104,7 +103,7 @@ def read_contents(
 
 def _taken_stops(graphs: Sequence[Graph], messages: Mapping[str, list[Logged]], order: list[Logged]) -> list[Logged]:
     """Remove the commands that take back the ones before, and return them: no stage publishes two of one stamp."""
-    names = dict.fromkeys(channel.name for graph in graphs for channel in command_channels(graph))
+    names = dict.fromkeys(channel.name for graph in graphs for channel in graph.commands)
     found = (messages[name] for name in names)
     stops = [sent.pop() for sent in found if len(sent) > 1 and sent[-1].utime == sent[-2].utime]
     for stop in stops:

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from graphnav import Graph, Stage
 from graphnav.core.graph import Channel, Node
-from graphnav.core.runner import reproducible_channels
 from graphnav.replay.log.contents import Contents, Logged
 from graphnav.replay.log.log_graph import LogGraph
 from graphnav.replay.log.missing_messages import MissingMessages, numbered_gaps
@@ -99,7 +98,7 @@ def reproduction_of(made: LogGraph, contents: Contents, *, wants_all: bool) -> R
     read = {i.channel.ref for node in made.graph.nodes for i in node.inputs if i.channel is not None}
     nodes, channels = [], []
     for node in made.recorded.sources:
-        known = [one for one in reproducible_channels(node) if made.graph.channels.get(one.ref) == one]
+        known = [one for one in node.reproducible if made.graph.channels.get(one.ref) == one]
         needed = [one for one in known if one.ref in read or (wants_all and contents.messages[one.name])]
         if needed:
             nodes.append(node)

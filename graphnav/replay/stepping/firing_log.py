@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from graphnav.core.messages import Fired
-from graphnav.core.runner import Sink, Used, encoded_firing
+from graphnav.core.runner import Sink, Taken
 from graphnav.replay.log.contents import Logged
 
 
@@ -38,7 +38,7 @@ class FiringLog:
         """Write a message published by a stage."""
         self._sink.write(channel, self.now_us(), data)
 
-    def fire(self, stage: str, at_us: int, utime: int, age_s: float, used: Sequence[Used]) -> None:
+    def fire(self, stage: str, at_us: int, utime: int, taken: Taken) -> None:
         """Write a firing with its messages; ``utime``: the timestamp of the step."""
-        self._sink.write(Fired.CHANNEL, at_us, encoded_firing(at_us, stage, utime, self._n_firings, age_s, used))
+        self._sink.write(Fired.CHANNEL, at_us, taken.encoded(at_us, stage, utime, self._n_firings))
         self._n_firings += 1

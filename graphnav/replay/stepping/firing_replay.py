@@ -175,7 +175,7 @@ class FiringReplay:
 
     def _log_firing(self, stage: str, utime: int, taken: Taken) -> None:
         if self._log is not None:
-            self._log.fire(stage, self.engine.utime, utime, taken.age_s, taken.used)
+            self._log.fire(stage, self.engine.utime, utime, taken)
 
     def _copy(self, firing: Firing) -> None:
         """Write the firing of a stage that does not step, so that a replay of this replay can step it."""
@@ -183,7 +183,7 @@ class FiringReplay:
             return
         channels = self._logged.channels.get(firing.stage, {})
         used = [one._replace(number=self._log.number_of(channels.get(one.port, ""), one.number)) for one in firing.used]
-        self._log.fire(firing.stage, firing.at_us, firing.utime, firing.age_s, used)
+        self._log.fire(firing.stage, firing.at_us, firing.utime, Taken({}, firing.age_s, used))
 
 
 class Due(NamedTuple):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from graphnav import Recording, Stage
 from graphnav.core.codec import decode
 from graphnav.core.errors import StageError
-from graphnav.core.runner import Engine, LockstepInbox, Sink, command_channels, fire_complete
+from graphnav.core.runner import Engine, LockstepInbox, Sink, fire_complete
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.schedule import Tick
 from graphnav.replay.plan import Plan
@@ -60,7 +60,7 @@ class TickReplay:
             LockstepInbox,
             LockstepInbox.put,
             played=self._played,
-            commands=command_channels(plan.graph),
+            commands=plan.graph.commands,
         )
         self._recording, self._timetable = recording, timetable
         self._results, self._player_sinks = sinks

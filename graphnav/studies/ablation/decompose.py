@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from graphnav import Graph, Message, Metric, Place, UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import Override, Target, load_graph, without_replaced
+from graphnav.core.graph import Override, Target, load_graph
 from graphnav.core.stage import ports_of
 from graphnav.studies.ablation.plan import driving_stages
 from graphnav.studies.ablation.study import Axis, Choice, Decomposition, MetricExpression, Study
@@ -76,7 +76,7 @@ def common_drive(
     """
     *others, last = oracles
     found = [Override(Target("stage", (last,)), oracles[last], place)]
-    graph = load_graph(name, catalog, (*without_replaced(overrides, found), *found))
+    graph = load_graph(name, catalog, (*Override.without_replaced(overrides, found), *found))
     added: dict[str, None] = {}
     for stage, port, read, message in _reads(graph, set(others)):
         if (output := _output(catalog, oracles[read], message)) is None:
@@ -84,7 +84,7 @@ def common_drive(
         added[read] = None
         found.append(Override(Target("wire", (stage,), port), f"{_PREFIX}{read}.{output}", place))
     found += [Override(Target("add", (f"{_PREFIX}{read}",)), oracles[read], place) for read in added]
-    graph = load_graph(name, catalog, (*without_replaced(overrides, found), *found))
+    graph = load_graph(name, catalog, (*Override.without_replaced(overrides, found), *found))
     return tuple(found) if driving_stages(graph).isdisjoint(others) else None
 
 

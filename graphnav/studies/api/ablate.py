@@ -5,17 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
-from graphnav.core.api import (
-    KeptFolder,
-    PathLike,
-    Shared,
-    add_plugins,
-    check_text,
-    overrides_of,
-    paths_of,
-    tell,
-    texts_of,
-)
+from graphnav.core.api import Argument, KeptFolder, PathLike, Shared, add_plugins, tell
 from graphnav.core.catalog import Catalog
 from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust
@@ -66,13 +56,13 @@ def ablate(
     request = StudyRequest(
         names=names_of(study),
         varies=varies_of(vary),
-        overrides=overrides_of(set),
+        overrides=Argument(set, Shared.SET).overrides(),
         seeds=seeds_of(seeds),
-        metrics=texts_of(metrics, METRICS),
-        within=texts_of(within, WITHIN),
+        metrics=Argument(metrics, METRICS).texts(),
+        within=Argument(within, WITHIN).texts(),
         one_at_a_time=one_at_a_time,
         decompose=decompose,
-        plugins=paths_of(plugins, Shared.PLUGINS),
+        plugins=Argument(plugins, Shared.PLUGINS).paths(),
         reference=reference,
         worlds=worlds_of(worlds),
         until_clear=bool(until_clear),
@@ -83,7 +73,7 @@ def ablate(
 
 def _made(request: StudyRequest, kept: KeptFolder | None, options: ExecutionOptions) -> Study:
     """Return a study after all its runs were made."""
-    check_text(request.reference, REFERENCE, "the name of a variant")
+    Argument(request.reference, REFERENCE).check_text("the name of a variant")
     catalog = add_plugins(Catalog(Trust(runs_all=True)), request.plugins)
     study = request.check(catalog)
     kept = kept or KeptFolder.temporary()

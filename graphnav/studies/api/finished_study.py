@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from graphnav.core.api import KeptFolder
 from graphnav.core.html_templates import rendered
 from graphnav.core.machine import Console, import_pandas
-from graphnav.core.tables import data_frame
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report import print_comparison, runs_data
 from graphnav.studies.ablation.results import (
@@ -58,7 +57,7 @@ class Study:
 
         The content of ``results.csv``; missing metrics are NaN. Raises UserError without pandas.
         """
-        return data_frame(runs_data(self.plan, self.records), "Study.runs")
+        return runs_data(self.plan, self.records).data_frame("Study.runs")
 
     @cached_property
     def table(self) -> pd.DataFrame:

@@ -6,7 +6,7 @@ import operator
 from collections.abc import Iterable, Mapping, Sequence
 
 from graphnav import Graph, Place, UserError
-from graphnav.core.api import check_integer, check_text, path_of, wrong_type, yaml_value
+from graphnav.core.api import Argument
 from graphnav.core.parameters import COUNT
 from graphnav.studies.ablation.study import Vary, vary_of
 from graphnav.studies.api.study_run import ExecutionOptions
@@ -31,7 +31,7 @@ def names_of(study: object) -> tuple[str, ...]:
         )
     if not found:
         raise UserError.of("study names no graph", hint)
-    return tuple(str(path_of(name, STUDY)) for name in found)
+    return tuple(str(Argument(name, STUDY).path()) for name in found)
 
 
 def varies_of(vary: object) -> tuple[Vary, ...]:
@@ -46,17 +46,17 @@ def varies_of(vary: object) -> tuple[Vary, ...]:
     if vary is None:
         return ()
     if not isinstance(vary, Mapping):
-        raise wrong_type("vary", vary, "a mapping", hint)
+        raise Argument(vary, VARY).error("a mapping")
     found = []
     for axis, values in vary.items():
         if not isinstance(axis, str) or not axis or "=" in axis:
             raise UserError.of(f"vary: {axis!r} is not a stage, a parameter or a wire", hint)
-        name = f"vary[{axis!r}]"
+        given = Argument(values, VARY, f"[{axis!r}]")
         if isinstance(values, set | frozenset):
-            raise wrong_type(name, values, "a list of values, the base's first (a set has no order)", hint)
+            raise given.error("a list of values, the base's first (a set has no order)")
         if isinstance(values, str | Mapping) or not isinstance(values, Iterable):
-            raise wrong_type(name, values, "a list of values", hint)
-        found.append(vary_of(axis, [yaml_value(value, name) for value in values], Place(name)))
+            raise given.error("a list of values")
+        found.append(vary_of(axis, [Argument(value, VARY, given.place).yaml() for value in values], Place(given.name)))
     return tuple(found)
 
 
@@ -72,11 +72,11 @@ def seeds_of(seeds: object) -> Sequence[int] | None:
     if seeds is None or (isinstance(seeds, range) and seeds.step == 1 and 0 <= seeds.start < seeds.stop):
         return seeds
     if isinstance(seeds, str | bytes | Mapping) or not isinstance(seeds, Iterable):
-        raise wrong_type("seeds", seeds, "a range or a list of integers", hint)
+        raise Argument(seeds, SEEDS).error("a range or a list of integers")
     found = list(seeds)
     for seed in found:
         if isinstance(seed, bool) or not hasattr(seed, "__index__"):
-            raise wrong_type("seeds", seed, "a range or a list of integers", hint)
+            raise Argument(seed, SEEDS).error("a range or a list of integers")
         if operator.index(seed) < 0:
             raise UserError.of(f"seeds: a seed must be 0 or more, not {seed}", hint)
     if not found:
@@ -92,15 +92,14 @@ def worlds_of(worlds: object) -> Mapping[str, int]:
     UserError
         It is not a mapping of graphs to positive integers.
     """
-    hint = WORLDS.hint
     if worlds is None:
         return {}
     if not isinstance(worlds, Mapping):
-        raise wrong_type("worlds", worlds, "a mapping of graphs to numbers", hint)
+        raise Argument(worlds, WORLDS).error("a mapping of graphs to numbers")
     for graph, number in worlds.items():
         if not isinstance(graph, str):
-            raise wrong_type("worlds", graph, "a mapping of graphs to numbers", hint)
-        check_integer(number, _WORLDS_OF_GRAPH, f"[{graph!r}]")
+            raise Argument(graph, WORLDS).error("a mapping of graphs to numbers")
+        Argument(number, _WORLDS_OF_GRAPH, f"[{graph!r}]").check_integer()
     return dict(worlds)
 
 
@@ -114,8 +113,8 @@ def execution_of(
     UserError
         An argument has a wrong type.
     """
-    check_text(cluster, CLUSTER)
+    Argument(cluster, CLUSTER).check_text()
     if jobs is not None:
-        check_integer(jobs, JOBS)
-    check_integer(gallery, GALLERY)
+        Argument(jobs, JOBS).check_integer()
+    Argument(gallery, GALLERY).check_integer()
     return ExecutionOptions(jobs, cluster, gallery, keep_logs=bool(keep_logs), fail_fast=bool(fail_fast))

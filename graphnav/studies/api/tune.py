@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav import Problem
-from graphnav.core.api import KeptFolder, PathLike, Shared, add_plugins, check_integer, overrides_of, paths_of, texts_of
+from graphnav.core.api import Argument, KeptFolder, PathLike, Shared, add_plugins
 from graphnav.core.catalog import Catalog
 from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust
@@ -102,19 +102,19 @@ def tune(
     KeyboardInterrupt
         Ctrl-C; every finished run is in ``folder``.
     """
-    check_integer(trials, TRIALS)
-    check_integer(sampler_seed, SAMPLER_SEED)
+    Argument(trials, TRIALS).check_integer()
+    Argument(sampler_seed, SAMPLER_SEED).check_integer()
     problems: list[Problem] = []
     request = TuningRequest(
         names=names_of(study),
         varies=varies_of(vary),
-        overrides=overrides_of(set),
+        overrides=Argument(set, Shared.SET).overrides(),
         seeds=seeds_of(seeds),
-        metrics=texts_of(metrics, METRICS),
-        searches=parse_searches(texts_of(search, SEARCH), problems),
+        metrics=Argument(metrics, METRICS).texts(),
+        searches=parse_searches(Argument(search, SEARCH).texts(), problems),
         trials=trials,
         sampler_seed=sampler_seed,
-        plugins=paths_of(plugins, Shared.PLUGINS),
+        plugins=Argument(plugins, Shared.PLUGINS).paths(),
         problems=problems,
     )
     options = execution_of(jobs, cluster, 0, keep_logs=False, fail_fast=False)

@@ -126,7 +126,6 @@ def _print_search(tuning: Tuning, console: Console) -> None:
 
 
 def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
-    from graphnav.core.tables import print_table
     from graphnav.studies.tuning import (
         OPTIMISTIC,
         STUDY,
@@ -138,7 +137,7 @@ def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
         tuned_table,
     )
 
-    print_table(console, tuned_table(run, has_params=False), is_framed=False)
+    tuned_table(run, has_params=False).print(console, is_framed=False)
     for rival in run.ranking(tuned=True):
         console.print(f"{rival.label}: {params_text(run.best(rival))}", markup=False)
     console.print(conclusion(run), markup=False)

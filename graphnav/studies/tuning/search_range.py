@@ -10,7 +10,7 @@ from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 from graphnav import ParamError, Place, Problem, UserError
-from graphnav.core.graph import Target, parse_value
+from graphnav.core.graph import Override, Target
 from graphnav.core.stage import Param
 
 FACTOR = 4.0
@@ -104,13 +104,13 @@ def parse_search(text: str, place: Place) -> SearchRange:
         raise UserError.of("this does not name a parameter and its values", _HINT, place)
     span = _SPAN.fullmatch(listed)
     if span is None:
-        choices = tuple(parse_value(one.strip(), place) for one in listed.split(","))
+        choices = tuple(Override.parse_value(one.strip(), place) for one in listed.split(","))
         if not all(isinstance(one, str | int | float) for one in choices):
             raise UserError.of("a choice is a string, a number, true or false", _HINT, place)
         if len({(type(one), one) for one in choices}) < len(choices):
             raise UserError.of("a choice is written twice", "keep one: each is tried as often as the others", place)
         return SearchRange(str(target), "choice", choices=choices)
-    low, high = (parse_value(span[name].strip(), place) for name in ("low", "high"))
+    low, high = (Override.parse_value(span[name].strip(), place) for name in ("low", "high"))
     for number in (low, high):
         if isinstance(number, bool) or not isinstance(number, int | float) or not math.isfinite(number):
             raise UserError.of(f"'{number}' is not a number", _HINT, place)

@@ -14,7 +14,7 @@ from graphnav.core.graph import Override, beside, find_graph, has_path, resolve_
 from graphnav.core.machine import read_json, write_atomically
 from graphnav.core.spec import write_value
 from graphnav.core.stage import params_of
-from graphnav.core.tables import Table, csv_text, plain_table
+from graphnav.core.tables import Table
 from graphnav.studies.tuning.rivals import Rival, graphs_of
 from graphnav.studies.tuning.tuned_table import table_markdown, trials_text, worlds_text
 from graphnav.studies.tuning.tuning import Tuning, overrides_of
@@ -141,7 +141,7 @@ def write_tuning(run: TuningRun, folder: Path) -> None:
     GraphnavError
         A file cannot be written; its old version is kept.
     """
-    trials = csv_text(_trials(run))
+    trials = _trials(run).csv_text()
     if _n_lines(folder / TRIALS) > trials.count("\n"):
         return
     write_atomically(folder / TRIALS, trials)
@@ -169,4 +169,4 @@ def _trials(run: TuningRun) -> Table:
                 values = [trial.values[metric].get((graph, seed)) for metric in metrics]
                 failed = trial.failures.get((graph, seed))
                 rows.append([rival.label, trial.number, trial.refused, graph, seed, failed, *values, *shown])
-    return plain_table(["rival", "trial", "refused", "graph", "seed", "failed", *metrics, *targets], rows)
+    return Table.plain(["rival", "trial", "refused", "graph", "seed", "failed", *metrics, *targets], rows)

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from graphnav.core.spec import write_value
-from graphnav.core.tables import Table, escaped, markdown_table, plain_table
+from graphnav.core.tables import Table, escaped
 from graphnav.studies.ablation.report import bullets, code, document
 from graphnav.studies.ablation.study import listed
 from graphnav.studies.tuning.rivals import Rival
@@ -30,7 +30,7 @@ def tuned_table(run: TuningRun, *, has_params: bool = True) -> Table:
         values = [_mean(run, trial, metric) for metric in run.tuning.metrics for trial in (default, best)]
         params = [params_text(best)] if has_params else []
         rows.append([rival.label, str(len(run.of(rival))), *values, str(best.number), *params])
-    return plain_table(header, rows)
+    return Table.plain(header, rows)
 
 
 def params_text(trial: Trial) -> str:
@@ -86,7 +86,7 @@ def table_markdown(run: TuningRun) -> str:
     parts = [
         f"# {escaped(study.name)}",
         escaped(f"With {trials_text(run)} on {', '.join(study.graphs)}, in the worlds {worlds_text(run.tuning)}."),
-        markdown_table(tuned_table(run)),
+        tuned_table(run).markdown(),
         escaped(conclusion(run)),
         *([bullets(map(escaped, troubles))] if (troubles := list(trouble_texts(run))) else []),
         OPTIMISTIC,

@@ -44,7 +44,7 @@ def _line(channel: WatchedChannel) -> str:
 
 def _table(watch: Watch) -> Table:
     from graphnav.core.errors import shown_name
-    from graphnav.core.tables import plain_table
+    from graphnav.core.tables import Table
     from graphnav.watch.spy import size_of
 
     rows = list[tuple[str, ...]]()
@@ -60,7 +60,7 @@ def _table(watch: Watch) -> Table:
         note = f"silent {channel.silent_s or 0.0:.1f} s" if channel.is_silent else ""
         rows.append((shown_name(name), _rate(channel.bytes_per_s), *bounds, str(channel.count), note))
     rows.append(("all", _rate(total), "", "", "", "", ""))
-    return plain_table(("channel", "bandwidth", "size min", "mean", "max", "count", "note"), rows)
+    return Table.plain(("channel", "bandwidth", "size min", "mean", "max", "count", "note"), rows)
 
 
 def _rate(bytes_per_s: float | None) -> str:

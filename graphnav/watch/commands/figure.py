@@ -53,7 +53,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.catalog import Catalog
     from graphnav.core.cli import damage_told, opened, trust_of
     from graphnav.core.record import find_log
-    from graphnav.core.report import draw_all, draw_frames, draw_rows, draw_sheet, removed_if_empty
+    from graphnav.core.report import LogPictures, removed_if_empty
     from graphnav.watch.loginfo import unfinished
 
     if args.every_s is None and (args.from_s >= 0 or args.until_s < math.inf):
@@ -64,20 +64,20 @@ def main(args: argparse.Namespace) -> int:
     if notice := unfinished(log):
         print_notice(f"{log}: {shown_name(notice)}; the pictures show the log up to there")
     folder = args.folder or log.parent
-    suffix = f".{args.format}"
     catalog = Catalog()
     with opened(log, Catalog(trust_of(args))) as recording, damage_told(recording):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             drawn: list[Path] = []
+            pictures = LogPictures(catalog, recording, folder, f".{args.format}")
             with removed_if_empty(folder):
                 if args.times_s:
-                    draw = draw_rows if args.rows else draw_frames
-                    drawn += draw(catalog, recording, args.times_s, folder, suffix)
+                    draw = pictures.draw_rows if args.rows else pictures.draw_frames
+                    drawn += draw(args.times_s)
                 if args.every_s is not None:
-                    drawn += draw_sheet(catalog, recording, args.every_s, (args.from_s, args.until_s), folder, suffix)
+                    drawn += pictures.draw_sheet(args.every_s, args.from_s, args.until_s)
                 if (not args.times_s and args.every_s is None) or args.video:
-                    drawn += draw_all(catalog, recording, folder, suffix, video=args.video)
+                    drawn += pictures.draw(video=args.video)
         except OSError as error:
             raise UserError.of(
                 f"cannot write into {folder}: {error.strerror}", "choose another folder with -o"

@@ -58,7 +58,7 @@ def _text(periods: Periods | None) -> str:
 def _table(watch: Watch) -> Table:
     """Return a row for each channel; periods are by stamp."""
     from graphnav.core.errors import shown_name
-    from graphnav.core.tables import plain_table
+    from graphnav.core.tables import Table
 
     rows = []
     for name in sorted(watch.channels):
@@ -68,7 +68,7 @@ def _table(watch: Watch) -> Table:
         cells = (_rate(periods), _rate(arriving), *map(_ms, steps), str(channel.count), _note(channel))
         rows.append((shown_name(name), *cells))
     header = ("channel", "stamp Hz", "arrival", "min ms", "max ms", "std ms", "count", "note")
-    return plain_table(header, rows)
+    return Table.plain(header, rows)
 
 
 def _rate(periods: Periods | None) -> str:

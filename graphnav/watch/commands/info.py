@@ -14,7 +14,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the command."""
     from graphnav.core.cli import short_type
     from graphnav.core.record import find_log
-    from graphnav.core.tables import plain_table, print_folded
+    from graphnav.core.tables import Table
     from graphnav.watch.loginfo import as_json, as_text, survey
     from graphnav.watch.loginfo.summary import HEADINGS, damage, rows
 
@@ -26,6 +26,6 @@ def main(args: argparse.Namespace) -> int:
     print("\n".join(as_text(info)))
     if info.channels:
         cells = [(channel, short_type(type_name), *numbers) for channel, type_name, *numbers in rows(info)]
-        print_folded(plain_table(HEADINGS, cells))
+        Table.plain(HEADINGS, cells).print_folded()
     print("\n".join(damage(info)) or "no damage")
     return Exit.OK

@@ -15,7 +15,7 @@ from graphnav.watch.commands.quantities import log_time
 
 if TYPE_CHECKING:
     from graphnav import Recording
-    from graphnav.core.record import LogCursor
+    from graphnav.watch.log_cursor import LogCursor
     from graphnav.watch.player import Player
 
 _EXAMPLES = """\

@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from graphnav.core.codec import DecodeError
-from graphnav.core.record import ChannelAccount, Clock, Kind
+from graphnav.watch.channel_account import ChannelAccount, Clock, Kind
 from graphnav.watch.feed.feed import Received
 
 KEPT_MESSAGES = 600

@@ -12,7 +12,8 @@ from graphnav import GraphnavError, Recording
 from graphnav.core.bus import Bus
 from graphnav.core.errors import shown_name
 from graphnav.core.lcm_url import tap_url
-from graphnav.core.record import Clock, find_log
+from graphnav.core.record import find_log
+from graphnav.watch.channel_account import Clock
 
 _PATIENCE_S = 0.1
 _AT_ONCE = 1000

@@ -7,7 +7,8 @@ from typing import Any
 
 from graphnav import About, GuardState, Status
 from graphnav.core.codec import DecodeError, decode, fingerprint
-from graphnav.core.record import Clock, silent_after_s
+from graphnav.core.record import silent_after_s
+from graphnav.watch.channel_account import Clock
 from graphnav.watch.feed.announcements import MAX_RUNS, RUN_SILENT_S
 from graphnav.watch.feed.feed import Received
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from graphnav import Odometry, State
 from graphnav.core.codec import message_class_of
-from graphnav.core.record import LogCursor
 from graphnav.watch.feed.feed import Feed, Received
+from graphnav.watch.log_cursor import LogCursor
 
 _MAX_WAIT_S = 0.2
 _BLOCK = 256

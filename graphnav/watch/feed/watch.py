@@ -7,7 +7,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import type_named
 from graphnav.core.errors import Hint, shown_name
 from graphnav.core.graph import RESERVED
-from graphnav.core.record import Clock, FirstArrivals
+from graphnav.watch.channel_account import Clock, FirstArrivals
 from graphnav.watch.feed.announcements import RUN_SILENT_S, Announcements
 from graphnav.watch.feed.channel import WatchedChannel
 from graphnav.watch.feed.feed import Feed, Received, drops_of

@@ -9,9 +9,10 @@ from graphnav import Recording
 from graphnav.core.codec import DecodeError
 from graphnav.core.errors import LogError
 from graphnav.core.messages import Gap
-from graphnav.core.record import ChannelCounts, Damaged, TruncatedEvent, kind_of
+from graphnav.core.record import Damaged, TruncatedEvent
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import ProgressFile
+from graphnav.watch.channel_account import ChannelCounts, kind_of
 from graphnav.watch.loginfo.log_origin import LogOrigin, origin_of
 
 _WALL_US = 1_000_000_000_000_000

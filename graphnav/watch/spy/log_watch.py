@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from graphnav.core.record import LogCursor
 from graphnav.watch.feed import KEPT_MESSAGES, Feed, Received, StoppableThread, Watch, WatchedChannel
+from graphnav.watch.log_cursor import LogCursor
 from graphnav.watch.spy.row import Row, row_of
 from graphnav.watch.spy.silence_reasons import why_empty
 

@@ -7,7 +7,7 @@ from itertools import chain
 
 import graphnav_lcm
 
-from graphnav.core.record import Clock, Kind
+from graphnav.watch.channel_account import Clock, Kind
 from graphnav.watch.feed import Feed, Health, LiveFeed, LogFeed, Past, Received, Watch, WatchedChannel
 from graphnav.watch.view.robot_track import RobotTrack
 

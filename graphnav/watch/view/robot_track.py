@@ -7,7 +7,7 @@ import math
 import graphnav_lcm
 
 from graphnav.core.codec import DecodeError
-from graphnav.core.record import Kind
+from graphnav.watch.channel_account import Kind
 from graphnav.watch.feed import Received
 
 _RANKS: dict[type, int] = {graphnav_lcm.odometry_t: 1, graphnav_lcm.state_t: 2}

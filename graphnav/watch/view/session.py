@@ -12,8 +12,8 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.pictures import Pictures
 from graphnav.watch.feed import WatchedChannel
 from graphnav.watch.fields.plain_values import plain
-from graphnav.watch.view.content.announced_graph import announced_graph, layout_of
 from graphnav.watch.view.content.details import Moment, details_of, moment_of, picture_of
+from graphnav.watch.view.content.graph_layout import layout_of
 from graphnav.watch.view.content.state import floor_map, newest_map, state_of
 from graphnav.watch.view.page_feed import PageFeed, PageState
 from graphnav.watch.view.robot_track import RobotTrack
@@ -92,7 +92,7 @@ class Session:
     def _graph(self, about: About) -> Update:
         self._sent_graph = about.graph_yaml, about.channels
         try:
-            return layout_of(announced_graph(about, self._catalog))
+            return layout_of(about, self._catalog)
         except GraphnavError as error:
             return {"failure": str(error)}
 

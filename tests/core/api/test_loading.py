@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 import graphnav
 from graphnav import Place, UserError
-from graphnav.core.api.arguments import overrides_of
+from graphnav.core.api.arguments import Argument
+from graphnav.core.api.parameters import Shared
 from graphnav.core.cli import main
 from graphnav.core.graph import Override
 from graphnav.core.machine.console import Console
@@ -24,7 +25,7 @@ VALUES = SCALARS | TEXT | st.lists(SCALARS | TEXT, max_size=4)
 
 @given(VALUES)
 def test_a_value_reaches_the_graph_as_it_is(value: object) -> None:
-    (override,) = overrides_of({"stage.parameter": value})
+    (override,) = Argument({"stage.parameter": value}, Shared.SET).overrides()
     read = override.entry.value.plain()
     assert (read, type(read)) == (value, type(value))
     assert override.place == Place("set['stage.parameter']")

@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graphnav.core.errors import BusError
-from graphnav.core.record import ChannelFilter, LogCursor, LogWriter, Recording
+from graphnav.core.record import ChannelFilter, LogWriter, Recording
+from graphnav.watch.log_cursor import LogCursor
 from graphnav.watch.player import Player
 
 LEFT, RIGHT = b"\x1b[D", b"\x1b[C"

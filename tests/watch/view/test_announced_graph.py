@@ -14,10 +14,11 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import UserError
 from graphnav.core.graph import load_graph, shipped_graphs
 from graphnav.core.messages import About
+from graphnav.core.render import AnnouncedGraph
 from graphnav.core.render.boxes import boxes_of
 from graphnav.core.render.geometry import geometry_of
 from graphnav.core.runner.recording.run_recorded import about_of
-from graphnav.watch.view.content.announced_graph import announced_graph, layout_of
+from graphnav.watch.view.content.graph_layout import layout_of
 
 CATALOG = Catalog()
 
@@ -25,7 +26,7 @@ CATALOG = Catalog()
 @pytest.mark.parametrize("name", shipped_graphs())
 def test_a_shipped_graph_is_drawn_as_draw_does(name: str) -> None:
     graph = load_graph(name, CATALOG)
-    drawn, announced = geometry_of(boxes_of(graph)), geometry_of(announced_graph(about_of(graph), CATALOG).boxes)
+    drawn, announced = geometry_of(boxes_of(graph)), geometry_of(AnnouncedGraph.read(about_of(graph), CATALOG).boxes)
     assert [(b.box.key, b.box.use, b.x, b.y, b.height) for b in announced.boxes.values()] == [
         (b.box.key, b.box.use, b.x, b.y, b.height) for b in drawn.boxes.values()
     ]
@@ -41,7 +42,7 @@ def said(graph: Any, channels: tuple[str, ...] = ()) -> About:
 
 def test_stages_that_are_not_installed_are_drawn_from_their_wires() -> None:
     graph = {"stages": {"a": {"use": "my.camera"}, "b": {"use": "my.finder", "in": {"image": "a.image"}}}}
-    layout = layout_of(announced_graph(said(graph, ("a.image", "b.found")), CATALOG))
+    layout = layout_of(said(graph, ("a.image", "b.found")), CATALOG)
     assert [box["key"] for box in layout["boxes"]] == ["a", "b"]
     assert [(wire["ref"], wire["reader"]) for wire in layout["wires"]] == [("a.image", "b.image")]
 
@@ -52,7 +53,7 @@ def test_inputs_and_outputs_are_known_by_both_of_their_names() -> None:
         "inputs": {"teleop.twist": {"channel": "TELEOP", "type": "graphnav_lcm.twist_t"}},
         "outputs": {"guard.twist": {"channel": "BASE", "type": "graphnav_lcm.twist_t", "motor": True}},
     }
-    found = announced_graph(said(graph), CATALOG)
+    found = AnnouncedGraph.read(said(graph), CATALOG)
     assert found.names["teleop.twist"] == ("teleop.twist", "TELEOP")
     assert found.names["guard.twist"] == ("guard.twist", "BASE")
     assert [box.use for box in found.boxes] == ["input", "control.guard", "motor output"]
@@ -62,13 +63,13 @@ def test_no_plugin_file_of_an_announcement_is_run(tmp_path: Any) -> None:
     plugin = tmp_path / "plugin.py"
     plugin.write_text("raise SystemExit('run')\n")
     graph = {"plugins": [str(plugin)], "stages": {"a": {"use": "plugin.a"}}}
-    assert [box.key for box in announced_graph(said(graph), CATALOG).boxes] == ["a"]
+    assert [box.key for box in AnnouncedGraph.read(said(graph), CATALOG).boxes] == ["a"]
 
 
 def test_no_file_that_an_announcement_extends_is_read(tmp_path: Any) -> None:
     (tmp_path / "other.yaml").write_text("stages: {b: {use: my.own}}\n")
     graph = {"extends": str(tmp_path / "other.yaml"), "stages": {"a": {"use": "my.own"}}}
-    assert [box.key for box in announced_graph(said(graph), CATALOG).boxes] == ["a"]
+    assert [box.key for box in AnnouncedGraph.read(said(graph), CATALOG).boxes] == ["a"]
 
 
 def test_what_is_wrong_in_an_announcement_is_left_out() -> None:
@@ -78,7 +79,7 @@ def test_what_is_wrong_in_an_announcement_is_left_out() -> None:
         "outputs": {"a.twist": {"channel": [], "motor": "yes"}},
         "channels": {"a.image": None},
     }
-    boxes = announced_graph(said(graph, ("a.image",)), CATALOG).boxes
+    boxes = AnnouncedGraph.read(said(graph, ("a.image",)), CATALOG).boxes
     assert [(box.key, box.name, box.use) for box in boxes] == [
         ("camera", "camera", "input"),
         ("a", "a", ""),
@@ -92,7 +93,7 @@ def test_what_is_wrong_in_an_announcement_is_left_out() -> None:
 )
 def test_what_is_not_a_graph_is_refused(graph: Any) -> None:
     with pytest.raises(UserError):
-        announced_graph(said(graph), CATALOG)
+        AnnouncedGraph.read(said(graph), CATALOG)
 
 
 NAMES = st.sampled_from(["a", "b", "c.d", "a.image", "output a", "", "x" * 200]) | st.text(max_size=5)
@@ -120,4 +121,4 @@ SECTION = ANYTHING | st.dictionaries(REFS, ANYTHING | st.fixed_dictionaries({"ch
 )
 def test_every_announcement_is_laid_out_or_refused(graph: Any, channels: list[str]) -> None:
     with suppress(UserError):
-        json.dumps(layout_of(announced_graph(said(graph, tuple(channels)), CATALOG)), allow_nan=False)
+        json.dumps(layout_of(said(graph, tuple(channels)), CATALOG), allow_nan=False)

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from graphnav.arrays import Doubles, Longs
-from graphnav.core.api.arguments import PathLike, path_of, seconds_of, wrong_type
+from graphnav.core.api.arguments import Argument, PathLike, seconds_of, wrong_type
 from graphnav.core.api.logs.log_channel import LogChannel, Sample, log_html
 from graphnav.core.api.logs.open_completed import open_completed
 from graphnav.core.api.logs.stack import Stack, stacked, table_of
@@ -48,7 +48,7 @@ def open_log(path: PathLike, *, trust: bool = False) -> Log:
     LogError
         The file cannot be read, or is not an LCM log.
     """
-    name = path_of(path, _PATH)
+    name = Argument(path, _PATH).path()
     try:
         return Log(open_completed(find_log(name), Catalog(Trust(runs_all=trust)), tell=tell))
     except OSError as error:

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from graphnav.core.errors import shown_name
 from graphnav.core.html_templates import rendered
 from graphnav.core.messages import Message
-from graphnav.core.tables import html_table, plain_table
+from graphnav.core.tables import Table
 
 _NUMBERS = ("messages", "rate [Hz]", "from [s]", "to [s]")
 
@@ -49,7 +49,7 @@ class LogChannel:
 def log_html(path: Path, channels: Iterable[LogChannel], damage: Iterable[str]) -> Markup:
     """Return HTML in which names that other programs chose are text."""
     rows = [_cells(channel) for channel in channels]
-    table = html_table(plain_table(("channel", "type", *_NUMBERS), rows, right=_NUMBERS), "notebook")
+    table = Table.plain(("channel", "type", *_NUMBERS), rows, right=_NUMBERS).html("notebook")
     return rendered("graphnav.core.api", "log.html", path=path, table=table, damage=damage)
 
 

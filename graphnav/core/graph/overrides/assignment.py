@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from graphnav.core.errors import Place, Problem, did_you_mean
+from graphnav.core.graph.node import SET
 from graphnav.core.graph.overrides.override import Override
-from graphnav.core.graph.wiring.settings import SET
 from graphnav.core.spec import RESERVED_STAGES, STAGE_NAME, TIME_KEYS, Entry, Spec
 
 Kind = Literal["swap", "add", "param", "time", "wire", "run"]

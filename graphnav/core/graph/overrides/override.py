@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from graphnav.core.errors import Place, Problem, UserError
+from graphnav.core.graph.node import SET
 from graphnav.core.graph.overrides.target import HINT, Target
-from graphnav.core.graph.wiring.settings import SET
 from graphnav.core.spec import Entry, Value, parse_scalar, parse_yaml, write_value
 
 _READ_AS_YAML = ("[", "{", '"', "'")
@@ -54,7 +54,7 @@ class Override:
         target, equals, value = text.partition("=")
         if not equals:
             raise UserError.of("this sets nothing", HINT, place)
-        return Override(Target.parse(target, place), parse_value(value, place), place)
+        return Override(Target.parse(target, place), Override.parse_value(value, place), place)
 
     @staticmethod
     def parse_all(texts: Iterable[str], problems: list[Problem]) -> tuple[Override, ...]:
@@ -67,39 +67,39 @@ class Override:
                 problems += error.problems
         return tuple(found)
 
+    @staticmethod
+    def parse_value(text: str, place: Place) -> Any:
+        """Return what a value means: brackets and quotes are read as YAML, all else as a plain scalar.
 
-def parse_value(text: str, place: Place) -> Any:
-    """Return what a value means: brackets and quotes are read as YAML, all else as a plain scalar.
+        Raises
+        ------
+        UserError
+            It is not YAML.
+        """
+        if not text.startswith(_READ_AS_YAML):
+            return parse_scalar(text)
+        try:
+            value, problems = parse_yaml(text.encode("utf-8", "replace"), "")
+        except UserError as error:
+            problems = error.problems
+        if problems:
+            raise UserError([Problem(place, problem.what, problem.hint, problem.kind) for problem in problems])
+        return value.plain()
 
-    Raises
-    ------
-    UserError
-        It is not YAML.
-    """
-    if not text.startswith(_READ_AS_YAML):
-        return parse_scalar(text)
-    try:
-        value, problems = parse_yaml(text.encode("utf-8", "replace"), "")
-    except UserError as error:
-        problems = error.problems
-    if problems:
-        raise UserError([Problem(place, problem.what, problem.hint, problem.kind) for problem in problems])
-    return value.plain()
-
-
-def without_replaced(overrides: Iterable[Override], later: Iterable[Override]) -> tuple[Override, ...]:
-    """Return overrides without their swaps of stages that later ones swap, too."""
-    swapped = {stage for override in later if override.target.kind == "stage" for stage in override.target.stages}
-    kept = []
-    for override in overrides:
-        stages = override.target.stages
-        if override.target.kind == "stage" and swapped.intersection(stages):
-            stages = tuple(stage for stage in stages if stage not in swapped)
-            if stages:
-                kept.append(replace(override, target=Target("stage", stages)))
-        else:
-            kept.append(override)
-    return tuple(kept)
+    @staticmethod
+    def without_replaced(overrides: Iterable[Override], later: Iterable[Override]) -> tuple[Override, ...]:
+        """Return overrides without their swaps of stages that later ones swap, too."""
+        swapped = {stage for override in later if override.target.kind == "stage" for stage in override.target.stages}
+        kept = []
+        for override in overrides:
+            stages = override.target.stages
+            if override.target.kind == "stage" and swapped.intersection(stages):
+                stages = tuple(stage for stage in stages if stage not in swapped)
+                if stages:
+                    kept.append(replace(override, target=Target("stage", stages)))
+            else:
+                kept.append(override)
+        return tuple(kept)
 
 
 def _placed(value: Any, place: Place) -> Value:

@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator, Mapping
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Hint, Place, Problem, Suggestion
+from graphnav.core.graph.node import SET
 from graphnav.core.graph.wiring.inputs import input_messages
-from graphnav.core.graph.wiring.settings import SET
 from graphnav.core.graph.wiring.wires import add_writer
 from graphnav.core.messages import Message
 from graphnav.core.spec import Entry, Spec, StageSpec, Value

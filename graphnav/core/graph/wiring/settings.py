@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 from graphnav.core.errors import ParamError, Place, Problem, did_you_mean
-from graphnav.core.graph.node import Origin, Setting
+from graphnav.core.graph.node import SET, Origin, Setting
 from graphnav.core.graph.paths import beside, has_path, resolve_paths
 from graphnav.core.spec import Entry, RunKeys, RunOptions, StageSpec, Value, check_url, read_record
 from graphnav.core.stage import Param, Stage, params_of
-
-SET: Literal["--set"] = "--set"
-"""The origin of what an override gives, wherever it was written."""
 
 
 def settings_of(

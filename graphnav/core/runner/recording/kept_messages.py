@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
-from graphnav.core.graph import Channel, Graph, Node
+from graphnav.core.graph import Graph
 from graphnav.core.record import Recording
 from graphnav.core.record.log_files import LogFiles, Split
 from graphnav.core.record.threaded_writer import Log
 from graphnav.core.runner.engine import Sink
 from graphnav.core.spec import RecordOption, RunOptions
-from graphnav.core.stage import Source
 
 
 def kept(graph: Graph, sink: Sink, channels: Collection[str] | None, *, is_live: bool) -> Sink:
@@ -49,18 +48,11 @@ def complete_channels(graph: Graph, option: RecordOption, *, is_live: bool) -> f
         return frozenset(channel.name for channel in graph.channels.values())
     found = {graph.channels[ref].name for ref in graph.inputs}
     for node in graph.sources:
-        left_out = () if is_live else reproducible_channels(node)
+        left_out = () if is_live else node.reproducible
         found.update(channel.name for channel in node.outputs.values() if channel not in left_out)
         if left_out:
             found.update(i.channel.name for i in node.inputs if i.channel is not None)
     return frozenset(found)
-
-
-def reproducible_channels(node: Node) -> tuple[Channel, ...]:
-    """Return the channels that a source makes again when it is stepped again (`Source.reproducible`)."""
-    if not issubclass(node.stage_class, Source):
-        return ()
-    return tuple(node.outputs[port] for port in node.stage_class.reproducible)
 
 
 class SmallOnly:
@@ -91,17 +83,4 @@ class ChannelsOnly:
     def write(self, channel: str, utime: int, data: bytes) -> None:
         """Write one message."""
         if channel in self._channels:
-            self._sink.write(channel, utime, data)
-
-
-class ChannelsExcept:
-    """Passes on the messages of all channels except given ones."""
-
-    def __init__(self, sink: Sink, channels: Collection[str]) -> None:
-        self._sink = sink
-        self._channels = frozenset(channels)
-
-    def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Write one message."""
-        if channel not in self._channels:
             self._sink.write(channel, utime, data)

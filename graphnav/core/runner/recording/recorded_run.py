@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,9 +10,12 @@ from typing import Any, NamedTuple
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph
 from graphnav.core.interrupts import CtrlC, Interrupt, working_folder_restored
+from graphnav.core.record.threaded_writer import Log
 from graphnav.core.run_folder import RunFolder
-from graphnav.core.runner.engine import Engine, Outcome
+from graphnav.core.runner.engine import Engine, Outcome, Sink
+from graphnav.core.runner.recording.kept_messages import kept, open_log
 from graphnav.core.runner.recording.progress_file import ProgressFile
+from graphnav.core.runner.recording.saved_graph import save_graph
 from graphnav.core.runner.recording.stall import StallLimit, StallWatch, stall_error
 from graphnav.core.runner.recording.summary import Summary, steps_of
 from graphnav.core.runner.stage_calls import Call, StageCalls
@@ -52,6 +55,24 @@ class RecordedRun:
         self.engine: Engine[Any] | None = None
         """The stages, once they are wired, so that there is something to summarise."""
         self._scores: dict[str, dict[str, float]] = {}
+
+    def save_graph(self) -> None:
+        """Write the graph and its plugins into the folder, so that it runs again.
+
+        Raises
+        ------
+        UserError
+            The folder cannot be written, or a plugin can no longer be read.
+        """
+        save_graph(self._graph, self._folder)
+
+    def open_log(self, path: Path) -> Log:
+        """Open the log, in one file, or in several as the graph says; raises OSError if that is not possible."""
+        return open_log(self._graph.run, path)
+
+    def kept(self, log: Sink, channels: Collection[str] | None, *, is_live: bool) -> Sink:
+        """Return what takes the run's messages for its ``log``: of ``channels``, None for what the graph says."""
+        return kept(self._graph, log, channels, is_live=is_live)
 
     def conduct(
         self,

@@ -22,10 +22,9 @@ from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.engine import Outcome, Sink, Spans
 from graphnav.core.runner.lockstep import Lockstep
 from graphnav.core.runner.recording.full_log import FullLog
-from graphnav.core.runner.recording.kept_messages import kept, open_log, record_option
+from graphnav.core.runner.recording.kept_messages import record_option
 from graphnav.core.runner.recording.log_forecast import LogForecast
 from graphnav.core.runner.recording.recorded_run import Measured, RecordedRun
-from graphnav.core.runner.recording.saved_graph import save_graph
 from graphnav.core.runner.recording.stall import StallLimit
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.runner.simulated_clock import SimulatedClock
@@ -52,11 +51,15 @@ def new_run_id() -> str:
     return uuid.uuid4().hex[:8]
 
 
-def about_of(graph: Graph) -> About:
-    """Return the `About` message of a graph for the log or the tap; the tap adds the run's id."""
+def about_of(graph: Graph, *, is_live: bool = False, by_outside_names: bool = False) -> About:
+    """Return the `About` message of a run for its log or its tap; the tap adds the run's id.
+
+    ``by_outside_names``: list the inputs and outputs of a live run under their LCM channels and types, for viewers on
+    the group on which other programs write and read them.
+    """
     channels = sorted(graph.channels.values(), key=lambda channel: channel.name)
     types = [channel.message.lcm_class for channel in channels]
-    return About(
+    about = About(
         graph_yaml=resolved_yaml(graph),
         lcm_text=lcm_text_of(types),
         run_id="",
@@ -64,15 +67,11 @@ def about_of(graph: Graph) -> About:
         channels=tuple(channel.name for channel in channels),
         types=tuple(map(lcm_name, types)),
     )
+    return _live(about, graph, by_outside_names=by_outside_names) if is_live else about
 
 
-def live_about(graph: Graph, *, by_outside_names: bool) -> About:
-    """Return the `About` message for the log or the tap of a live run.
-
-    ``by_outside_names``: list inputs and outputs under their LCM channels and types, for viewers on the group on which
-    other programs write and read them.
-    """
-    about = about_of(graph)
+def _live(about: About, graph: Graph, *, by_outside_names: bool) -> About:
+    """Return the description of a live run."""
     channels = dict(zip(about.channels, about.types, strict=True))
     classes = [channel.message.lcm_class for channel in graph.channels.values()]
     if by_outside_names:
@@ -171,9 +170,10 @@ class _LockstepRun:
     ) -> None:
         """Open the log, announce the run and wire the stages; ``cleanup`` gets what closes all that."""
         close = self.record.failures.close
-        self.writer = _begin(self._graph, self.folder)
+        self.record.save_graph()
+        self.writer = self._opened_log()
         cleanup.callback(close, self.writer.close)
-        sinks: list[Sink] = [kept(self._graph, self.writer, keep, is_live=False)]
+        sinks: list[Sink] = [self.record.kept(self.writer, keep, is_live=False)]
         if self._tap is not None:
             cleanup.callback(self._tap.close)
             self._tap.announce(about_of(self._graph))
@@ -219,6 +219,13 @@ class _LockstepRun:
         """Return the first event of the log."""
         return encode(about_of(self._graph), 0, 0)
 
+    def _opened_log(self) -> Log:
+        try:
+            return self.record.open_log(self.folder / RunFolder.LOG)
+        except OSError as error:
+            what = f"cannot write into {self.folder}: {error.strerror}"
+            raise UserError.of(what, "choose another folder with -o") from error
+
     def _close_log(self) -> None:
         self.writer.close()
 
@@ -234,15 +241,6 @@ class _LockstepRun:
 def _telling_what_is_kept(graph: Graph) -> Graph:
     """Return the graph for the log, which says what the log keeps, whatever the default is when it is read."""
     return replace(graph, run=replace(graph.run, record=record_option(graph.run.record, is_live=False)))
-
-
-def _begin(graph: Graph, folder: Path) -> Log:
-    """Save the graph and open the log."""
-    save_graph(graph, folder)
-    try:
-        return open_log(graph.run, folder / RunFolder.LOG)
-    except OSError as error:
-        raise UserError.of(f"cannot write into {folder}: {error.strerror}", "choose another folder with -o") from error
 
 
 def _forecast(

@@ -10,7 +10,7 @@ from graphnav.core.spec.declared.kinds import is_list, is_mapping, is_range, is_
 from graphnav.core.spec.declared.record import Key, Record, keys_of
 from graphnav.core.spec.write import write_value
 from graphnav.core.stage import unit_of
-from graphnav.core.tables import Cell, markdown_table, plain_table
+from graphnav.core.tables import Cell, Table
 
 
 def reference_page(root: type[Record], title: str, doc: str) -> str:
@@ -37,7 +37,7 @@ def _section(cls: type[Record]) -> Iterator[str]:
     if cls.one_of:
         yield f"Exactly one of {_listed([f'`{name}`' for name in cls.one_of])} is given."
     rows = [_row(key, name in cls.one_of) for name, key in keys_of(cls).items()]
-    yield markdown_table(plain_table(("key", "value", "unit", "default", "meaning"), rows))
+    yield Table.plain(("key", "value", "unit", "default", "meaning"), rows).markdown()
     if cls.example:
         yield f"```yaml\n{inspect.cleandoc(cls.example)}\n```"
 

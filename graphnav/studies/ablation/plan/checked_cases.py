@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from graphnav import Graph, Place, Problem, Role, Stage, Suggestion, UserError
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Hint, ProblemKind
-from graphnav.core.graph import Node, Override, has_path, load_graph, without_replaced
+from graphnav.core.graph import Node, Override, has_path, load_graph
 from graphnav.core.stage import params_of
 from graphnav.studies.ablation.plan.upstream import driving_stages
 from graphnav.studies.ablation.plan.variants import Variant
@@ -209,7 +209,7 @@ def check_cases(
 def _load(study: Study, name: str, variant: Variant, catalog: Catalog) -> CheckedCase:
     of_all = study.overrides
     if study.decomposition is not None:
-        of_all = without_replaced(of_all, variant.overrides)
+        of_all = Override.without_replaced(of_all, variant.overrides)
     overrides = (*of_all, *variant.overrides)
     graph = load_graph(name, catalog, overrides)
     _refuse_live(graph)

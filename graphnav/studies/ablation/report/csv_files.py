@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from graphnav.core.machine import write_atomically
-from graphnav.core.tables import Table, csv_text, plain_table
+from graphnav.core.tables import Table
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.results import Record, in_plan_order, metric_columns
 
@@ -35,7 +35,7 @@ def runs_data(plan: Plan, records: Iterable[Record]) -> Table:
         ]
         for case, record in _with_cases(plan, ordered)
     ]
-    return plain_table(["graph", "variant", "role", *plan.axes, *columns, *metrics], rows)
+    return Table.plain(["graph", "variant", "role", *plan.axes, *columns, *metrics], rows)
 
 
 def metrics_data(plan: Plan, records: Iterable[Record]) -> Table:
@@ -45,7 +45,7 @@ def metrics_data(plan: Plan, records: Iterable[Record]) -> Table:
         [name, m.unit, m.better, m.if_failed, m.is_outcome, m.min_difference, m.help]
         for name, m in zip(names, map(plan.metric, names), strict=True)
     ]
-    return plain_table(["metric", "unit", "better", "if_failed", "outcome", "min_difference", "help"], rows)
+    return Table.plain(["metric", "unit", "better", "if_failed", "outcome", "min_difference", "help"], rows)
 
 
 def timing_data(plan: Plan, records: Iterable[Record]) -> Table:
@@ -66,7 +66,7 @@ def timing_data(plan: Plan, records: Iterable[Record]) -> Table:
         for case, record in _with_cases(plan, in_plan_order(plan, records))
         for stage, time in record.times.items()
     ]
-    return plain_table(
+    return Table.plain(
         ["graph", "variant", *plan.axes, "seed", "wall_s", "stage", "use", "steps", "p50_ms", "p99_ms"], rows
     )
 
@@ -81,7 +81,7 @@ def write_csv_files(plan: Plan, records: Iterable[Record], folder: Path) -> None
     """
     found = tuple(records)
     for name, data_of in ((RESULTS, runs_data), (METRICS, metrics_data), (TIMING, timing_data)):
-        write_atomically(folder / name, csv_text(data_of(plan, found)))
+        write_atomically(folder / name, data_of(plan, found).csv_text())
 
 
 def _with_cases(plan: Plan, records: Iterable[Record]) -> Iterator[tuple[Case, Record]]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.tables import Table, plain_table
+from graphnav.core.tables import Table
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.number_format import difference_text, estimate_text, format_of, number
 from graphnav.studies.ablation.results import Difference, Estimate, Losses, Swap
@@ -84,7 +84,7 @@ def loss_table(of: Losses) -> Table:
         (alone.stage, _value(alone, worlds), _gain(alone), _value(step, worlds), _gain(step))
         for alone, step in zip(of.single, of.cumulative, strict=True)
     ]
-    return plain_table(_HEADER, rows, title=heading(of))
+    return Table.plain(_HEADER, rows, title=heading(of))
 
 
 def _value(swap: Swap, worlds: int) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from graphnav.core.errors import printable
-from graphnav.core.tables import escaped, markdown_table, markdown_tables
+from graphnav.core.tables import escaped
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.decomposition import heading, loss_table, notes, sentences
 from graphnav.studies.ablation.report.legend import (
@@ -55,7 +55,7 @@ def _decomposition(plan: Plan, found: Sequence[Losses]) -> Iterator[str]:
         yield escaped(" ".join(sentences(plan, of)))
         if of.is_cut_off:
             continue
-        yield markdown_table(loss_table(of))
+        yield loss_table(of).markdown()
     yield bullets(map(escaped, notes(plan, found)))
 
 
@@ -76,7 +76,7 @@ def code(text: str) -> str:
 
 def _graph(plan: Plan, comparison: Comparison, graph: str) -> Iterator[str]:
     of_graph = comparison.of_graph(graph)
-    yield from markdown_tables(comparison_table(plan, comparison, graph, shown_metrics(plan, comparison)))
+    yield from comparison_table(plan, comparison, graph, shown_metrics(plan, comparison)).markdown_parts()
     if alike := list(same_graphs(of_graph)):
         yield bullets(map(escaped, alike))
     own = [row for row in of_graph if not row.case.same_as]
@@ -103,7 +103,7 @@ def paired_studies_markdown(pairing: PairedStudies) -> str:
     parts = [f"# {escaped(pairing.plan_a.name)} (A) and {escaped(pairing.plan_b.name)} (B)"]
     for graph in pairing.graphs:
         found = paired_table(pairing, graph, tuple(pairing.metrics), has_outcomes=True)
-        parts += [f"## {graph}", *markdown_tables(found)]
+        parts += [f"## {graph}", *found.markdown_parts()]
     if alone := list(only_in_one(pairing)):
         parts += ["## Only in one of them", bullets(map(escaped, alone))]
     parts += [

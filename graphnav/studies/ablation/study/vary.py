@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from graphnav import Place, Problem, UserError, did_you_mean
-from graphnav.core.graph import Override, Target, parse_value
+from graphnav.core.graph import Override, Target
 from graphnav.core.spec import write_value
 from graphnav.studies.ablation.study.study import Axis, Choice
 
@@ -150,7 +150,7 @@ def _value(text: str, place: Place) -> VaryValue:
     override = None
     with suppress(UserError):
         override = Override.parse(text, place)
-    return VaryValue(parse_value(text, place), text, place, override)
+    return VaryValue(Override.parse_value(text, place), text, place, override)
 
 
 def varied(axes: Sequence[Axis], varies: Sequence[Vary], problems: list[Problem]) -> tuple[Axis, ...]:

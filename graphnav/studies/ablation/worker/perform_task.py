@@ -14,7 +14,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import DrawingError, LogError, StageError
 from graphnav.core.graph import graph_of
 from graphnav.core.pictures import drawing
-from graphnav.core.report import draw_all
+from graphnav.core.report import LogPictures
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome, StallLimit, Summary, run_recorded
 from graphnav.studies import parameters
@@ -122,7 +122,7 @@ def _draw(catalog: Catalog, scratch: Path) -> None:
     errors = []
     try:
         with Recording(scratch / RunFolder.LOG) as recording:
-            draw_all(catalog, recording, scratch)
+            LogPictures(catalog, recording, scratch).draw()
     except DrawingError as error:
         errors.append(str(error))
     try:

@@ -14,7 +14,7 @@ from graphnav.arrays import Bytes, Doubles
 from graphnav.core.codec import DecodeError, decode, message_class_of
 from graphnav.core.field_summary import summarised
 from graphnav.core.pictures import Pictures
-from graphnav.core.record import Kind
+from graphnav.watch.channel_account import Kind
 from graphnav.watch.feed import Received, WatchedChannel
 from graphnav.watch.fields.plain_values import plain
 from graphnav.watch.view.page_feed import PageState

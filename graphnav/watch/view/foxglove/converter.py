@@ -9,7 +9,7 @@ from graphnav import About, GraphnavError, Map, Message, Odometry, Scan, Scene, 
 from graphnav.core.catalog import Catalog
 from graphnav.core.codec import DecodeError, codec_of
 from graphnav.core.pictures import Pictures
-from graphnav.core.record import kind_of
+from graphnav.watch.channel_account import kind_of
 from graphnav.watch.export.entries.entries import Beams, Level, Line, Scalars, World
 from graphnav.watch.export.entries.event_lines import LINE_TYPES, Lines, heading
 from graphnav.watch.export.entries.message_entries import MessageEntries

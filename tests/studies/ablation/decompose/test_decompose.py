@@ -7,7 +7,7 @@ import pytest
 import graphnav
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Problem, UserError
-from graphnav.core.graph import Override, without_replaced
+from graphnav.core.graph import Override
 from graphnav.studies.ablation.decompose import decomposed_study
 from graphnav.studies.ablation.plan import Plan, check_study
 from graphnav.studies.ablation.plan.plan_file import load_plan, save_plan
@@ -180,7 +180,7 @@ def test_an_oracle_takes_the_place_of_a_stage_that_was_put_in_for_all(text: str)
 
 def test_of_a_swap_of_several_stages_the_others_stay() -> None:
     swap, setting, later = Override.parse_all(["flow,back=flow.dis", "flow.gain=2", "flow=flow.truth"], [])
-    (kept, other) = without_replaced([swap, setting], [later])
+    (kept, other) = Override.without_replaced([swap, setting], [later])
     assert (str(kept.target), kept.value, other) == ("back", "flow.dis", setting)
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.core.tables import csv_text
 from graphnav.studies.ablation.plan.plan import Plan
 from graphnav.studies.ablation.report.csv_files import runs_data, write_csv_files
 from graphnav.studies.ablation.results.records import Record
@@ -66,9 +65,9 @@ def test_the_order_of_runs_does_not_count(make_plan: MakePlan, make_record: Make
         for variant in plan.variants
         for world in plan.seeds
     ]
-    expected = csv_text(runs_data(plan, records))
+    expected = runs_data(plan, records).csv_text()
     rng.shuffle(records)
-    assert csv_text(runs_data(plan, records)) == expected
+    assert runs_data(plan, records).csv_text() == expected
     assert "\r" not in expected
     assert [line.partition(",")[0] for line in expected.splitlines()[1::6]] == ["pillars", "corridor"]
 

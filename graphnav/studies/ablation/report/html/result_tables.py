@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from graphnav.core.stage import Better
-from graphnav.core.tables import Column, Table, html_table
+from graphnav.core.tables import Column, Table
 from graphnav.studies.ablation.report.decomposition import (
     decomposition_picture,
     loss_table,
@@ -231,7 +231,7 @@ def _graph_times(graph: str, rows: Mapping[str, Mapping[str, float]]) -> _GraphT
         [variant, *(f"{times[stage]:.2f}" if stage in times else "—" for stage in stages)]
         for variant, times in rows.items()
     ]
-    return _GraphTimes(graph, colours, bars, len(shown), len(rows), html_table(Table(columns, cells), "page"))
+    return _GraphTimes(graph, colours, bars, len(shown), len(rows), Table(columns, cells).html("page"))
 
 
 def _colours(stages: Sequence[str], rows: Mapping[str, Mapping[str, float]]) -> dict[str, str]:
@@ -260,5 +260,5 @@ def decomposition(study: StudyResults) -> Markup:
         chart=base64.b64encode(decomposition_picture(told, "svg")).decode("ascii") if told else "",
         answers=[" ".join(sentences(study.plan, of)) for of in found],
         notes=list(notes(study.plan, found)),
-        tables=[(table.title, html_table(table, "page")) for table in map(loss_table, told)],
+        tables=[(table.title, table.html("page")) for table in map(loss_table, told)],
     )

@@ -1,32 +1,29 @@
-"""The drawing of an announced graph: the boxes and paths of ``graphnav draw``; loads no code but installed stages."""
+"""The boxes of a graph as a run announces it: those of ``graphnav draw``; loads no code but installed stages."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from graphnav import About, Message, Source, UserError
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import CatalogError
+from graphnav.core.errors import CatalogError, UserError
 from graphnav.core.graph import Channel
-from graphnav.core.render import Box, InPort, Kind, OutPort, PlacedBox, PlacedWire, Sizes, geometry_of
+from graphnav.core.messages import About, Message
+from graphnav.core.render.boxes import Box, InPort, Kind, OutPort
+from graphnav.core.render.geometry import Geometry, Sizes, geometry_of
 from graphnav.core.spec import Entry, InputSpec, OutputSpec, Spec, StageSpec, outline_of
-from graphnav.core.stage import Port, ports_of
+from graphnav.core.stage import Port, Source, ports_of
 
 _MAX_BOXES = 200
 _MAX_PORTS = 64
 _MAX_NAME = 128
 T = TypeVar("T")
-_SIZES = Sizes(char=7.2, min_chars=17, row=32.0, gap_x=96.0, lane=62.0, foot=30.0)
-_LABEL = 50.0
-"""Space for rate, latency and losses on every wire, which runs straight below them, and after the last box; and for
-the step time in every box."""
 
 
 @dataclass(frozen=True)
 class AnnouncedGraph:
-    """The drawing data of a graph.
+    """The boxes of a graph.
 
     ``names``: by the reference of a channel (``stage.port``) the LCM channels of its messages.
     """
@@ -35,26 +32,30 @@ class AnnouncedGraph:
     boxes: tuple[Box, ...]
     names: Mapping[str, tuple[str, ...]]
 
+    @staticmethod
+    def read(about: About, catalog: Catalog) -> AnnouncedGraph:
+        """Return the graph that a run announces; unknown parts are left out.
 
-def announced_graph(about: About, catalog: Catalog) -> AnnouncedGraph:
-    """Return the graph announced by a run; unknown parts are left out.
+        Raises
+        ------
+        UserError
+            The announcement is not a graph, or too large to be drawn.
+        """
+        spec = outline_of(about.graph_yaml.encode(), "graphnav.about")
+        reader = _Reader(spec, catalog, about.channels)
+        if not 1 <= len(reader.stages) <= _MAX_BOXES:
+            raise UserError.of(f"the graph of the run has {len(reader.stages)} stages, not 1 to {_MAX_BOXES}")
+        if len(reader.inputs) + len(reader.outputs) > _MAX_BOXES:
+            raise UserError.of(f"the graph of the run has more than {_MAX_BOXES} inputs and outputs")
+        boxes = _wired(
+            [*reader.input_boxes(), *map(reader.stage_box, reader.stages.values()), *reader.output_boxes()],
+        )
+        refs = [port.channel.ref for box in boxes for port in box.outputs]
+        return AnnouncedGraph(spec.about, boxes, {ref: reader.names(ref) for ref in refs})
 
-    Raises
-    ------
-    UserError
-        The announcement is not a graph, or too large to be drawn.
-    """
-    spec = outline_of(about.graph_yaml.encode(), "graphnav.about")
-    reader = _Reader(spec, catalog, about.channels)
-    if not 1 <= len(reader.stages) <= _MAX_BOXES:
-        raise UserError.of(f"the graph of the run has {len(reader.stages)} stages, not 1 to {_MAX_BOXES}")
-    if len(reader.inputs) + len(reader.outputs) > _MAX_BOXES:
-        raise UserError.of(f"the graph of the run has more than {_MAX_BOXES} inputs and outputs")
-    boxes = _wired(
-        [*reader.input_boxes(), *map(reader.stage_box, reader.stages.values()), *reader.output_boxes()],
-    )
-    refs = [port.channel.ref for box in boxes for port in box.outputs]
-    return AnnouncedGraph(spec.about, boxes, {ref: reader.names(ref) for ref in refs})
+    def geometry(self, sizes: Sizes) -> Geometry:
+        """Return where boxes and wires are drawn."""
+        return geometry_of(self.boxes, sizes)
 
 
 class _Reader:
@@ -150,58 +151,3 @@ def _short(section: Mapping[str, T]) -> dict[str, T]:
 def _text(entry: Entry | None) -> str:
     """Return a string of the graph, empty where it is not given or something else."""
     return entry.value.data if entry is not None and isinstance(entry.value.data, str) else ""
-
-
-def layout_of(graph: AnnouncedGraph) -> dict[str, Any]:
-    """Return boxes, wires and the LCM channels of each reference, in SVG units."""
-    drawing = geometry_of(graph.boxes, _SIZES)
-    return {
-        "about": graph.about,
-        "width": drawing.width + _LABEL,
-        "height": drawing.height,
-        "boxes": [_box(placed) for placed in drawing.boxes.values()],
-        "wires": [_wire(placed) for placed in drawing.wires],
-        "names": graph.names,
-    }
-
-
-def _box(placed: PlacedBox) -> dict[str, Any]:
-    box: Box = placed.box
-    return {
-        "key": box.key,
-        "name": box.name,
-        "use": box.use,
-        "kind": box.kind,
-        "x": placed.x,
-        "y": placed.y,
-        "width": placed.width,
-        "height": placed.height,
-        "foot": _SIZES.foot,
-        "colour": placed.colour,
-        "inputs": [
-            {"name": port.name, "y": placed.port_y(port.name, is_input=True), "open": port.channel is None}
-            for port in box.inputs
-        ],
-        "outputs": [
-            {
-                "name": port.name,
-                "alias": port.alias,
-                "ref": port.channel.ref,
-                "y": placed.port_y(port.name, is_input=False),
-            }
-            for port in box.outputs
-        ],
-    }
-
-
-def _wire(placed: PlacedWire) -> dict[str, Any]:
-    wire = placed.wire
-    return {
-        "ref": wire.channel.ref,
-        "reader": f"{wire.reader}.{wire.port}",
-        "sampled": wire.latest,
-        "path": placed.path,
-        "start": placed.start,
-        "end": placed.end,
-        "colour": placed.colour,
-    }

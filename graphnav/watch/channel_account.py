@@ -10,8 +10,8 @@ from functools import lru_cache
 from statistics import median
 
 from graphnav.core.codec import Codec, codec_of, fields_of, lcm_name, type_named, type_of
-from graphnav.core.record.message_window import RECENT_S, Periods, Sizes, Window, silent_after_s
-from graphnav.core.record.sequence_gaps import SequenceGaps
+from graphnav.core.record import RECENT_S, Periods, Sizes, Window, silent_after_s
+from graphnav.watch.sequence_gaps import SequenceGaps
 
 _FINGERPRINT_BYTES = 8
 _STAMPED_BYTES = 24

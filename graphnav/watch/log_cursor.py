@@ -9,9 +9,8 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from itertools import chain
 
-from graphnav.core.record.channel_filter import ChannelFilter
-from graphnav.core.record.event import Event
-from graphnav.core.record.recording import Recording
+from graphnav import Recording
+from graphnav.core.record import ChannelFilter, Event
 
 _MIN_ROUND_S = 0.1
 """A log with a single timestamp must not flood its listeners when it is looped."""

@@ -9,8 +9,9 @@ import pytest
 
 from graphnav.core.codec import codec_of, encode
 from graphnav.core.messages import Twist
-from graphnav.core.record import ChannelAccount, ChannelCounts, FirstArrivals, kind_of, silent_after_s
+from graphnav.core.record import silent_after_s
 from graphnav.core.typeinfo import load_types
+from graphnav.watch.channel_account import ChannelAccount, ChannelCounts, FirstArrivals, kind_of
 
 TWIST = Twist(0.1, 0.2)
 

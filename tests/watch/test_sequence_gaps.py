@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.core.record.sequence_gaps import SequenceGaps
+from graphnav.watch.sequence_gaps import SequenceGaps
 
 
 def counted(seqs: list[int]) -> tuple[int, int]:

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graphnav.core.record import ChannelFilter, LogCursor, LogWriter, Recording
+from graphnav.core.record import ChannelFilter, LogWriter, Recording
+from graphnav.watch.log_cursor import LogCursor
 
 EVENTS = [("a", 0.0), ("b", 0.0), ("a", 0.1), ("b", 0.15), ("a", 0.2), ("a", 0.3), ("b", 0.3)]
 
