@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from importlib.machinery import SourceFileLoader
 from importlib.metadata import EntryPoint, entry_points
@@ -198,6 +198,18 @@ class Catalog:
     def holds_file(self, path: Path) -> bool:
         """Return whether a one-file plugin was added, by any path."""
         return any(str(path.resolve()) in files for files in self._files.values())
+
+    def add_files(self, paths: Iterable[Path]) -> Catalog:
+        """Add one-file plugins; return this catalog.
+
+        Raises
+        ------
+        CatalogError
+            A file cannot be used.
+        """
+        for path in paths:
+            self.add_file(path)
+        return self
 
     def add_file(self, path: Path, source: bytes | None = None) -> str:
         """Add the stages of a one-file plugin; return its family: its constant ``FAMILY``, else the file's stem.

@@ -109,7 +109,7 @@ class OneOf(tuple[Parameter, ...]):
 class Command:
     """A command: its function, and its parameters in the order of ``--help``."""
 
-    run: Callable[[argparse.Namespace], int]
+    run: Callable[[Any], int]
     parameters: tuple[Parameter | OneOf, ...]
     epilog: str | None
     is_verbatim: bool
@@ -144,7 +144,7 @@ class Command:
 
 def command(
     *parameters: Parameter | OneOf, about: str | None = None, examples: str | None = None
-) -> Callable[[Callable[[argparse.Namespace], int]], Command]:
+) -> Callable[[Callable[[Any], int]], Command]:
     """Make a function a command: it gets the parsed arguments by the names of its parameters, returns its exit status.
 
     Its help ends with ``about``, a paragraph, or with ``examples``, printed as they stand.

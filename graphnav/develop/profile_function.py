@@ -14,7 +14,6 @@ from graphnav.core.api import (
     loaded,
     one_thread,
     tell,
-    with_run_options,
 )
 from graphnav.core.catalog import Catalog
 from graphnav.core.parameters import documented
@@ -55,9 +54,8 @@ def profile(
     """
     Argument(tap, Shared.TAP).check_choice()
     Argument(clock, CLOCK).check_choice()
-    checked = with_run_options(
-        loaded(graph, set, plugins, Catalog(Trust(runs_all=trust))), {"seed": seed, "until_s": until_s}
-    )
+    options = {"seed": seed, "until_s": until_s}
+    checked = loaded(graph, set, plugins, Catalog(Trust(runs_all=trust)), options)
     refuse_live(checked)
     if functions and (missing := functions_missing()):
         raise UserError(missing)

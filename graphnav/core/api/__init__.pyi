@@ -2,7 +2,7 @@
 
 from .arguments import Argument, PathLike
 from .blas_threads import one_thread
-from .load import add_plugins, loaded, with_run_options
+from .load import loaded
 from .notices import tell
 from .parameters import Shared, TapMode
 from .result_folder import KeptFolder
@@ -13,9 +13,7 @@ __all__ = [
     "PathLike",
     "Shared",
     "TapMode",
-    "add_plugins",
     "loaded",
     "one_thread",
     "tell",
-    "with_run_options",
 ]

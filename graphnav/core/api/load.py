@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -63,7 +63,7 @@ def check(
         found = (
             graph
             if isinstance(graph, Graph)
-            else load_with(add_plugins(Catalog(Trust(runs_all=trust)), files), str(name), overrides, files)
+            else load_with(Catalog(Trust(runs_all=trust)).add_files(files), str(name), overrides, files)
         )
         found.make_stages()
     except UserError as error:
@@ -76,8 +76,11 @@ def loaded(
     sets: Mapping[str, object] | None,
     plugins: Sequence[PathLike],
     catalog: Catalog,
+    options: Mapping[str, object] | None = None,
 ) -> Graph:
     """Return the graph for the arguments of `load`; if it is loaded here, its plugins are added to ``catalog``.
+
+    ``options``: of ``run``, None for those that keep the graph's value.
 
     Raises
     ------
@@ -87,22 +90,10 @@ def loaded(
     overrides, files = Argument(sets, Shared.SET).overrides(), Argument(plugins, Shared.PLUGINS).paths()
     if isinstance(graph, Graph):
         _refuse_changes(overrides, files)
-        return graph
+        return with_run_options(graph, options) if options else graph
     name = Argument(graph, Shared.GRAPH).path()
-    return load_with(add_plugins(catalog, files), str(name), overrides, files)
-
-
-def add_plugins(catalog: Catalog, files: Iterable[Path]) -> Catalog:
-    """Return the catalog with one-file plugins added.
-
-    Raises
-    ------
-    CatalogError
-        A file cannot be used.
-    """
-    for file in files:
-        catalog.add_file(file)
-    return catalog
+    found = load_with(catalog.add_files(files), str(name), overrides, files)
+    return with_run_options(found, options) if options else found
 
 
 def load_with(

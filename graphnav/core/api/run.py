@@ -11,7 +11,7 @@ from graphnav.core.api.arguments import Argument, PathLike
 from graphnav.core.api.blas_threads import one_thread
 from graphnav.core.api.execute import execute, runs_live
 from graphnav.core.api.finished_run import Run
-from graphnav.core.api.load import add_plugins, loaded, with_run_options
+from graphnav.core.api.load import loaded
 from graphnav.core.api.notices import tell
 from graphnav.core.api.parameters import Shared, TapMode
 from graphnav.core.api.result_folder import KeptFolder
@@ -75,9 +75,7 @@ def run(
     Argument(tap, Shared.TAP).check_choice()
     Argument(url, Shared.LIVE_URL).check_text()
     catalog = Catalog(Trust(runs_all=True))
-    checked = with_run_options(
-        loaded(graph, set, plugins, catalog), {"seed": seed, "until_s": until_s, "record": record}
-    )
+    checked = loaded(graph, set, plugins, catalog, {"seed": seed, "until_s": until_s, "record": record})
     result = _run(checked, catalog, folder, _Mode(live, pace, url, tap), draws=pictures)
     if result.failure and not check:
         tell(f"the run failed: {result.failure}")
@@ -129,7 +127,7 @@ def _draw(catalog: Catalog, graph: Graph, folder: Path, full: FullLog) -> Sequen
     """Return the pictures of a run; log those that cannot be drawn as notices."""
     try:
         with _drawing, full.recording(folder / RunFolder.LOG, tell) as recording:
-            return LogPictures(add_plugins(catalog, graph.plugins), recording, folder).draw()
+            return LogPictures(catalog.add_files(graph.plugins), recording, folder).draw()
     except GraphnavError as error:
         tell(f"not drawn: {error}")
         return sorted(folder.glob("*.png"))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from typing import TYPE_CHECKING
 
 from graphnav.core.api.parameters import Shared
-from graphnav.core.cli.options import Options, load, notices_of
+from graphnav.core.cli.command_arguments import CommandArguments
+from graphnav.core.cli.options import Options
 from graphnav.core.cli.quantities import counted
 from graphnav.core.cli.status import Exit
 from graphnav.core.errors import Place, Problem, UserError
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
         "with --plugin where its plugins are in another one",
     ),
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command: load each graph, construct its stages, and let each check its files and devices.
 
     The exit status is 1 where plugins are not trusted: the rest is checked without them.
@@ -42,7 +42,7 @@ def main(args: argparse.Namespace) -> int:
     status: int = Exit.OK
     for name in args.graph:
         try:
-            _, graph = load(args, name, partial=not args.resolved)
+            _, graph = args.load_graph(name, partial=not args.resolved)
             graph.without_left_out().make_stages()
         except UserError as error:
             problems |= dict.fromkeys(error.problems)
@@ -53,7 +53,7 @@ def main(args: argparse.Namespace) -> int:
     return status
 
 
-def _print(graph: Graph, args: argparse.Namespace) -> int:
+def _print(graph: Graph, args: CommandArguments) -> int:
     """Print what a graph is made of, without the table where several are checked; return the exit status."""
     if args.resolved:
         from graphnav.core.graph import resolved_yaml
@@ -63,7 +63,7 @@ def _print(graph: Graph, args: argparse.Namespace) -> int:
     from graphnav.core.machine.console import Console
 
     console = Console(highlight=False, soft_wrap=True)
-    for notice in notices_of(graph, verbose=args.verbose):
+    for notice in args.notices_of(graph):
         console.print(notice, markup=False)
     if len(args.graph) == 1:
         console.print(_table(graph).folded())

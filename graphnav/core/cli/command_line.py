@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
+from graphnav.core.cli.command_arguments import CommandArguments
 from graphnav.core.cli.lasting_output import ReaderLeftError, lasting_output
 from graphnav.core.cli.status import Exit
 from graphnav.core.interrupts import CtrlC, ctrl_c_not_lost, end_at_interrupt, raise_at_interrupt
@@ -189,7 +190,7 @@ def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> i
     """Run a command; print the error that ends it."""
     from graphnav.core.errors import GraphnavError, ParamError, UserError
 
-    args, n_raised = argparse.Namespace(), CtrlC.n_raised
+    args, n_raised = CommandArguments(), CtrlC.n_raised
     try:
         args = _parsed(words, chosen)
         args.words, args.owns_process = words, owns_process
@@ -230,7 +231,7 @@ def _status_of(words: list[str], chosen: str | None, *, owns_process: bool) -> i
     return status
 
 
-def _parsed(words: list[str], chosen: str | None) -> argparse.Namespace:
+def _parsed(words: list[str], chosen: str | None) -> CommandArguments:
     """Return the arguments; print the help where no command is given, exit with the error of a wrong one."""
     from graphnav.core.errors import did_you_mean, shown_name
 
@@ -245,10 +246,10 @@ def _parsed(words: list[str], chosen: str | None) -> argparse.Namespace:
         return Exit.OK
 
     parser.set_defaults(main=print_help)
-    return parser.parse_args(words)
+    return parser.parse_args(words, CommandArguments())
 
 
-def _print_problems(error: UserError, args: argparse.Namespace) -> None:
+def _print_problems(error: UserError, args: CommandArguments) -> None:
     """Print what is wrong; what a plugin raised with its traceback if ``-v`` asks for it."""
     from graphnav.core.cli.options import FailureReport
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
 from graphnav.core.api.parameters import Shared
-from graphnav.core.cli.options import load
+from graphnav.core.cli.command_arguments import CommandArguments
 from graphnav.core.cli.status import Exit
 from graphnav.core.errors import UserError
 from graphnav.core.parameters import Parameter, command
@@ -24,11 +23,11 @@ from graphnav.core.parameters import Parameter, command
     ),
     Parameter("file", "-o", type=Path, metavar="FILE", help="output file (default: the terminal)"),
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.api.draw import Drawing
 
-    _, graph = load(args, partial=True, makes_stages=False)
+    _, graph = args.load_graph(partial=True, makes_stages=False)
     drawing = Drawing(graph)
     if args.format == "text" and args.file is None:
         from graphnav.core.machine.console import Console

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from functools import partial
@@ -10,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.core.api.parameters import Shared
-from graphnav.core.cli.options import FailureReport, Options, load, notices_of
+from graphnav.core.cli.command_arguments import CommandArguments
+from graphnav.core.cli.options import FailureReport, Options
 from graphnav.core.cli.status import Exit
 from graphnav.core.errors import DrawingError, shown_name
 from graphnav.core.notices import print_notice
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     Options.JSON.but(help="print the summary as JSON instead of text"),
     Options.VERBOSE.but(help="print every metric, what each stage did, and the traceback of a failure"),
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.api.execute import runs_live
     from graphnav.core.lcm_url import tap_url
@@ -63,14 +63,14 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.runner.recording.run_recorded import new_run_id
     from graphnav.core.tap import open_tap
 
-    catalog, graph = load(args, runs=True)
+    catalog, graph = args.load_graph(runs=True)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
     live_notice = _live_notice(args, graph) if is_live else ""
     stages = graph.make_stages()
     console, run_id = Console(stderr=args.json, highlight=False, soft_wrap=True), new_run_id()
     folder = make_run_folder(args.folder, graph.path.stem)
     with FullLog() as full, removed_if_empty(folder):
-        for notice in (*notices_of(graph, verbose=args.verbose), *([live_notice] if is_live else [])):
+        for notice in (*args.notices_of(graph), *([live_notice] if is_live else [])):
             console.print(notice, markup=False)
         tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
         if tap is not None:
@@ -92,7 +92,7 @@ def main(args: argparse.Namespace) -> int:
     return {"failed": Exit.FAILED, "stopped": Exit.INTERRUPTED}.get(summary.outcome, Exit.OK)
 
 
-def _draw(args: argparse.Namespace, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
+def _draw(args: CommandArguments, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
     """Draw the pictures of a run; return the files of its folder as they are listed, logs with their sizes."""
     from graphnav.core.record.log_paths import parts_of
     from graphnav.core.report.pictures import LogPictures
@@ -127,7 +127,7 @@ def _listing(folder: Path, files: list[str], width: int | None) -> str:
     return line if width is None or len(line) <= width else f"{name}:\n  {', '.join(files)}"
 
 
-def _live_notice(args: argparse.Namespace, graph: Graph) -> str:
+def _live_notice(args: CommandArguments, graph: Graph) -> str:
     from graphnav.core.lcm_url import live_url
 
     why = "--live" if args.live else f"inputs: {', '.join(graph.inputs)}"
@@ -138,7 +138,7 @@ def _run(
     graph: Graph,
     stages: dict[str, Stage],
     folder: Path,
-    args: argparse.Namespace,
+    args: CommandArguments,
     tap: LiveSink | None,
     run_id: str,
     full: FullLog | None,

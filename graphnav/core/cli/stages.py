@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from graphnav.core.api.parameters import Shared
-from graphnav.core.cli.options import Options, catalog_of
+from graphnav.core.cli.command_arguments import CommandArguments
+from graphnav.core.cli.options import Options
 from graphnav.core.cli.status import Exit
 from graphnav.core.errors import shown_name
 from graphnav.core.parameters import Parameter, command
@@ -36,12 +36,12 @@ _MIN_COLS_OF_PORTS = 110
     Options.JSON.but(help="print JSON instead of tables"),
     Shared.PLUGINS,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.machine.console import Console
     from graphnav.core.stage import describe
 
-    catalog = catalog_of(args)
+    catalog = args.catalog()
     console = Console(highlight=False)
     if args.name and "." not in args.name and args.name not in catalog.families():
         _print_ports(args, console, catalog, _message_called(args.name, catalog))
@@ -89,7 +89,7 @@ def _message_called(name: str, catalog: Catalog) -> type[Message]:
     raise AssertionError("a stage has a family")
 
 
-def _print_ports(args: argparse.Namespace, console: Console, catalog: Catalog, message: type[Message]) -> None:
+def _print_ports(args: CommandArguments, console: Console, catalog: Catalog, message: type[Message]) -> None:
     """Print the stages that write a message type, then those that read it."""
     from graphnav.core.stage import summary_of
     from graphnav.core.tables import Table

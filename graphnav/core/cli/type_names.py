@@ -20,31 +20,34 @@ def short_type(name: str) -> str:
     return name.removeprefix(_OWN_PACKAGE)
 
 
-def type_called(name: str, catalog: Catalog, given: Mapping[str, type]) -> type:
-    """Return the lcm-gen class of a type or message; plugins are imported only if it is unknown without them.
+class KnownTypes:
+    """The LCM types that a command knows: of graphnav, of plugins, and those ``given`` by ``--types``, by LCM name."""
 
-    ``given``: the types of ``--types``, by LCM name.
+    def __init__(self, catalog: Catalog, given: Mapping[str, type]) -> None:
+        self._catalog, self._given = catalog, given
 
-    Raises
-    ------
-    UserError
-        The type does not exist.
-    """
-    from graphnav.core.codec import find_type
+    def called(self, name: str) -> type:
+        """Return the lcm-gen class of a type or message; plugins are imported only if it is unknown without them.
 
-    with suppress(UserError):
-        return find_type(name, given)
-    catalog.load_types()
-    return find_type(name, {**_adapted(catalog), **given})
+        Raises
+        ------
+        UserError
+            The type does not exist.
+        """
+        from graphnav.core.codec import find_type
 
+        with suppress(UserError):
+            return find_type(name, self._given)
+        self._catalog.load_types()
+        return find_type(name, {**_adapted(self._catalog), **self._given})
 
-def listed_types(catalog: Catalog) -> dict[str, type]:
-    """Return the types of graphnav, of the messages of all plugins and of adapters, by LCM name."""
-    from graphnav.core.codec import SHIPPED, lcm_name, message_classes
+    def every(self) -> dict[str, type]:
+        """Return the types of graphnav, of the messages of all plugins, of adapters and those given, by LCM name."""
+        from graphnav.core.codec import SHIPPED, lcm_name, message_classes
 
-    catalog.load_types()
-    found = [*SHIPPED, *(message.lcm_class for message in message_classes())]
-    return {lcm_name(lcm_class): lcm_class for lcm_class in found} | _adapted(catalog)
+        self._catalog.load_types()
+        found = [*SHIPPED, *(message.lcm_class for message in message_classes())]
+        return {lcm_name(lcm_class): lcm_class for lcm_class in found} | _adapted(self._catalog) | dict(self._given)
 
 
 def _adapted(catalog: Catalog) -> dict[str, type]:

@@ -3,16 +3,15 @@
 from .durations import Durations
 from .engine import Engine, Outcome, Sink, Spans, seed_of
 from .firing import Taken, Used
-from .join import MAX_UNMATCHED, MatchedSet
+from .join import MatchedSet
 from .live_inbox import LiveInbox
-from .lockstep import Lockstep, fire, fire_complete
-from .lockstep_inbox import LockstepInbox
+from .lockstep import Lockstep, LockstepEngine
 from .recording.kept_messages import complete_channels
 from .recording.log_forecast import size_text
 from .recording.progress_file import ProgressFile
 from .recording.recorded_run import Failures, Measured, RecordedRun
 from .recording.run_recorded import LiveSink, about_of, new_run_id, run_recorded
-from .recording.saved_graph import copies_of
+from .recording.saved_graph import remember_copies
 from .recording.stall import StallLimit
 from .recording.summary import Summary
 from .stage_calls import StageCalls
@@ -21,14 +20,13 @@ from .timer import Timer
 from .unit import Unit
 
 __all__ = [
-    "MAX_UNMATCHED",
     "Durations",
     "Engine",
     "Failures",
     "LiveInbox",
     "LiveSink",
     "Lockstep",
-    "LockstepInbox",
+    "LockstepEngine",
     "MatchedSet",
     "Measured",
     "Outcome",
@@ -46,11 +44,9 @@ __all__ = [
     "Used",
     "about_of",
     "complete_channels",
-    "copies_of",
-    "fire",
-    "fire_complete",
     "memory_mb",
     "new_run_id",
+    "remember_copies",
     "run_recorded",
     "seed_of",
     "size_text",

@@ -57,6 +57,11 @@ class Join:
         self.unmatched: Counter[str] = Counter(dict.fromkeys(self._waiting, 0))
         """Messages by port since the last complete set."""
 
+    @property
+    def never_matches(self) -> bool:
+        """Whether each of several ports got as many messages since the last complete set as it holds by default."""
+        return len(self.unmatched) > 1 and min(self.unmatched.values()) >= MAX_UNMATCHED
+
     def put(self, port: str, utime: int, held: Held) -> None:
         """Add a message."""
         waiting = self._waiting[port]

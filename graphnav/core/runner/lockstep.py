@@ -3,15 +3,64 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from time import perf_counter
 
-from graphnav.core.graph import Graph
+from graphnav.core.graph import Channel, Graph, Node
+from graphnav.core.messages import Message
 from graphnav.core.runner.engine import Engine, Outcome, Sink, Spans
 from graphnav.core.runner.lockstep_inbox import LockstepInbox
 from graphnav.core.runner.stage_calls import StageCalls
 from graphnav.core.runner.unit import Unit
 from graphnav.core.stage import Stage
+
+
+class LockstepEngine(Engine[LockstepInbox]):
+    """An engine whose stages fire with the messages of one stamp; its parameters are those of `Engine`."""
+
+    def __init__(
+        self,
+        nodes: Iterable[Node],
+        stages: Mapping[str, Stage],
+        sinks: Sequence[Sink],
+        *,
+        is_wired: bool = True,
+        played: Collection[str] = (),
+        commands: Iterable[Channel] = (),
+        published: Callable[[Channel, int, int, Message, bytes], None] | None = None,
+        spans: Spans | None = None,
+        calls: StageCalls | None = None,
+    ) -> None:
+        super().__init__(
+            nodes,
+            stages,
+            sinks,
+            LockstepInbox,
+            LockstepInbox.put,
+            is_wired=is_wired,
+            played=played,
+            commands=commands,
+            published=published,
+            spans=spans,
+            calls=calls,
+        )
+
+    def fire_at(self, unit: Unit[LockstepInbox], stamp: int) -> str | None:
+        """Step a stage with the messages of a stamp; return the outcome if a source ended the run."""
+        inputs = unit.inbox.take(stamp)
+        if unit.node.deadline_ms is None:
+            return self.fire(unit, stamp, inputs, 0.0)
+        ready_s = perf_counter()
+        outcome = self.fire(unit, stamp, inputs, 0.0)
+        unit.judge_deadline(ready_s, perf_counter())
+        return outcome
+
+    def fire_complete(self, unit: Unit[LockstepInbox], stamp: int) -> None:
+        """Fire a stage if its plain inputs are complete, else drop them."""
+        if unit.inbox.is_complete:
+            self.fire_at(unit, stamp)
+        else:
+            unit.inbox.discard()
 
 
 class Lockstep:
@@ -33,16 +82,7 @@ class Lockstep:
         """Wire ``stages`` (by name) of ``graph``; every message also goes to the ``sinks``."""
         spans = spans or Spans()
         self.graph = graph
-        self.engine = Engine(
-            graph.nodes,
-            stages,
-            sinks,
-            LockstepInbox,
-            LockstepInbox.put,
-            commands=graph.commands,
-            spans=spans,
-            calls=calls,
-        )
+        self.engine = LockstepEngine(graph.nodes, stages, sinks, commands=graph.commands, spans=spans, calls=calls)
         self.tick: Callable[[], str | None] = spans.tick(self._tick)
         """Fires everything that is due at the next stamp; returns the outcome if a source ended the run, and raises
         StageError if a stage raised, or returned something invalid."""
@@ -87,28 +127,9 @@ class Lockstep:
         while self._due[0][0] == stamp:
             _, place, k = heapq.heappop(self._due)
             source = self._sources[place]
-            outcome = fire(self.engine, source, stamp) or outcome
+            outcome = self.engine.fire_at(source, stamp) or outcome
             heapq.heappush(self._due, (source.due_us(k + 1), place, k + 1))
         for unit in self._order:
-            fire_complete(self.engine, unit, stamp)
+            self.engine.fire_complete(unit, stamp)
         self.engine.ticks += 1
         return outcome
-
-
-def fire(engine: Engine[LockstepInbox], unit: Unit[LockstepInbox], stamp: int) -> str | None:
-    """Step a stage with the messages of a stamp; return the outcome if a source ended the run."""
-    inputs = unit.inbox.take(stamp)
-    if unit.node.deadline_ms is None:
-        return engine.fire(unit, stamp, inputs, 0.0)
-    ready_s = perf_counter()
-    outcome = engine.fire(unit, stamp, inputs, 0.0)
-    unit.judge_deadline(ready_s, perf_counter())
-    return outcome
-
-
-def fire_complete(engine: Engine[LockstepInbox], unit: Unit[LockstepInbox], stamp: int) -> None:
-    """Fire a stage if its plain inputs are complete, else drop them."""
-    if unit.inbox.is_complete:
-        fire(engine, unit, stamp)
-    else:
-        unit.inbox.discard()

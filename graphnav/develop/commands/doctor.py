@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, load
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.parameters import command
 
 if TYPE_CHECKING:
@@ -16,14 +15,14 @@ if TYPE_CHECKING:
 
 
 @command(Shared.GRAPH.but(nargs="?"), Shared.SET, Shared.PLUGINS, Shared.TRUST, Options.JSON)
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command; the exit status is 1 where something needed is lacking.
 
     A graph of which plugins are left out cannot run, so that the sizes of its messages are not measured.
     """
     from graphnav.develop.doctor import run_checks
 
-    graph = None if args.graph is None else load(args, partial=True)[1]
+    graph = None if args.graph is None else args.load_graph(partial=True)[1]
     findings = []
     for finding in run_checks(None if graph is None or graph.left_out else graph):
         findings.append(finding)

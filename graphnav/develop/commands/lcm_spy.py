@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 
-from graphnav.core.cli import Options, catalog_of, load_types_of
+from graphnav.core.cli import CommandArguments, Options
 from graphnav.core.parameters import command
 
 
 @command(Options.GROUP, *Options.TYPES)
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command: build the jar of all types unless it is cached, then replace this process by lcm-spy."""
     from graphnav import UserError
-    from graphnav.core.cli import listed_types
     from graphnav.core.lcm_url import lcm_url
     from graphnav.core.typeinfo import file_of_lcm
     from graphnav.develop.java import require_jdk, types_jar
 
     url = lcm_url(("URL", args.url))
     require_jdk()
-    catalog = catalog_of(args)
-    given = load_types_of(args, catalog)
+    known = args.known_types()
     if not os.environ.get("DISPLAY"):
         what = "lcm-spy opens a window, but there is no display: DISPLAY is not set"
         raise UserError.of(what, "run it in a graphical session, or watch in this terminal: graphnav spy")
-    types = listed_types(catalog) | given
+    types = known.every()
     jar = types_jar(types.values())
     print(f"lcm-spy on {url}: {len(types)} types in {jar}", file=sys.stderr, flush=True)
     classpath = os.pathsep.join(filter(None, (str(jar), os.environ.get("CLASSPATH"))))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import sys
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from graphnav import UserError
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, FailureReport, Options, load, notices_of
+from graphnav.core.cli import CommandArguments, Exit, FailureReport, Options
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag
 from graphnav.develop.parameters import CLOCK
@@ -43,17 +42,17 @@ if TYPE_CHECKING:
     Options.JSON,
     Options.VERBOSE,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.machine import Console
     from graphnav.develop.profiling import NothingMeasuredError, functions_missing, print_profile, refuse_live
 
-    _, graph = load(args)
+    _, graph = args.load_graph()
     refuse_live(graph)
     if args.flame is not None:
         _check_file(args.flame)
     stages = graph.make_stages()
-    for notice in notices_of(graph, verbose=args.verbose):
+    for notice in args.notices_of(graph):
         print_notice(notice)
     if args.flame is not None and (missing := functions_missing()):
         print_notice(str(missing))
@@ -78,7 +77,7 @@ def main(args: argparse.Namespace) -> int:
 
 
 def _measure(
-    args: argparse.Namespace, graph: Graph, stages: dict[str, Stage], folder: Path, report: FailureReport
+    args: CommandArguments, graph: Graph, stages: dict[str, Stage], folder: Path, report: FailureReport
 ) -> Profile:
     from graphnav.core.cli import progress_bar
     from graphnav.core.machine import Console

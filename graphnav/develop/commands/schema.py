@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from typing import Any
 
 from graphnav import Place, UserError, did_you_mean
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, catalog_of
+from graphnav.core.cli import CommandArguments, Exit
 from graphnav.core.parameters import Parameter, command
 
 
@@ -22,14 +21,14 @@ from graphnav.core.parameters import Parameter, command
     ),
     Shared.PLUGINS,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav import FileFormat
     from graphnav.core.graph import graph_schema
     from graphnav.core.rooms import in_room
     from graphnav.core.spec import plugin_formats
 
-    catalog = catalog_of(args)
+    catalog = args.catalog()
     if args.of == "graph":
         schema = graph_schema(catalog)
     else:

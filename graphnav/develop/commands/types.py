@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.parameters import OneOf, Parameter, command, flag
 
 if TYPE_CHECKING:
@@ -42,15 +41,13 @@ examples:
     *Options.TYPES,
     examples=_EXAMPLES,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
-    from graphnav.core.cli import listed_types, type_called
     from graphnav.core.machine import Console
     from graphnav.core.typeinfo import definition_files, describe_type
 
-    catalog = catalog_of(args)
-    given = load_types_of(args, catalog)
-    found = {args.name: type_called(args.name, catalog, given)} if args.name else listed_types(catalog) | given
+    known = args.known_types()
+    found = {args.name: known.called(args.name)} if args.name else known.every()
     console = Console(highlight=False)
     if args.lcm:
         print("\n".join(definition_files(found.values()).values()), end="")

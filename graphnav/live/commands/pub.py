@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
-
-from graphnav.core.cli import Exit, Options, catalog_of, channel_name, load_types_of, positive, url_of
+from graphnav.core.cli import CommandArguments, Exit, Options, channel_name, positive
 from graphnav.core.parameters import Parameter, command
 
 _EXAMPLES = """\
@@ -33,11 +31,10 @@ FIELDS is YAML; omitted fields are zero or empty. utime is the current time and 
     *Options.TYPES,
     examples=_EXAMPLES,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav import Place, UserError
     from graphnav.core.bus import Bus
-    from graphnav.core.cli import type_called
     from graphnav.core.codec import codec_of, lcm_name
     from graphnav.core.field_summary import described, summarised
     from graphnav.live.publish import Publisher, parse_fields, repeat
@@ -45,9 +42,8 @@ def main(args: argparse.Namespace) -> int:
     if args.rate is None and (args.count or args.for_s):
         option = "-n" if args.count else "--for"
         raise UserError.of("without --rate only one message is published", "give --rate HZ", Place(option))
-    url = url_of(args)
-    catalog = catalog_of(args)
-    lcm_class = type_called(args.type, catalog, load_types_of(args, catalog))
+    url = args.lcm_url()
+    lcm_class = args.known_types().called(args.type)
     fields = parse_fields(args.fields, lcm_class)
     bus = Bus(url)
     publisher = Publisher(bus, args.channel, lcm_class, fields)

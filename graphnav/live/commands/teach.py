@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from graphnav import UserError
 from graphnav.core.api import Shared
-from graphnav.core.cli import MAX_FACTOR, Exit, FailureReport, Options, load
+from graphnav.core.cli import MAX_FACTOR, CommandArguments, Exit, FailureReport, Options
 from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def coverage(text: str) -> Coverage:
     flag("force", "--force", "replace FILE if it exists"),
     Options.VERBOSE,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command: save the last planar model published by the graph as a log of one message.
 
     Ctrl-C discards the result in simulated time, which ends by itself; in a live run it ends teaching.
@@ -63,7 +63,7 @@ def main(args: argparse.Namespace) -> int:
 
     if args.model.exists() and not args.force:
         raise UserError.of(f"{args.model} already exists", "choose another file, or replace it with --force")
-    _, graph = load(args, runs=True)
+    _, graph = args.load_graph(runs=True)
     learning = [learnt for learnt in graph.channels.values() if learnt.message is PlanarModel]
     if len(learning) != 1:
         raise UserError.of(
@@ -82,7 +82,7 @@ def main(args: argparse.Namespace) -> int:
         return teach(graph, Path(scratch), channel, args)
 
 
-def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
+def _teach(graph: Graph, folder: Path, channel: str, args: CommandArguments) -> int:
     from graphnav.core.cli import progress_bar
     from graphnav.core.machine import Console
     from graphnav.core.runner import Outcome, run_recorded
@@ -102,7 +102,7 @@ def _teach(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -
     return _save(folder, channel, args.model, graph, taught)
 
 
-def _teach_live(graph: Graph, folder: Path, channel: str, args: argparse.Namespace) -> int:
+def _teach_live(graph: Graph, folder: Path, channel: str, args: CommandArguments) -> int:
     from graphnav.core.lcm_url import live_url
     from graphnav.core.machine import Console
     from graphnav.live.run import run_live

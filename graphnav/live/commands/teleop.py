@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 
-from graphnav.core.cli import Exit, Options, StatusLine, channel_name, positive, url_of
+from graphnav.core.cli import CommandArguments, Exit, Options, StatusLine, channel_name, positive
 from graphnav.core.parameters import Parameter, command, seconds
 
 _EXAMPLES = """\
@@ -48,7 +47,7 @@ published for a moment, then nothing, so that the override of a guard goes stale
     Options.URL,
     examples=_EXAMPLES,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav import UserError
     from graphnav.core.bus import Bus
@@ -60,7 +59,7 @@ def main(args: argparse.Namespace) -> int:
             "teleop reads keys, and standard input is not a terminal",
             "run it in a terminal; in scripts use 'graphnav pub'",
         )
-    url = url_of(args)
+    url = args.lcm_url()
     bus = Bus(url)
     print(f"publishing graphnav_lcm.twist_t on '{args.channel}', stops on '{args.stop_channel}', {url}")
     print(HELP, flush=True)

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from graphnav.core.bus import Bus
-from graphnav.core.codec import fingerprint
+from graphnav.core.codec import codec_of
 from graphnav.core.errors import shown_name
 from graphnav.core.large_messages import PACKET_BYTES
 from graphnav.core.machine import ReceiveBuffer
@@ -113,7 +113,7 @@ class Alarms:
         is_due = silent_s + SCAN_S >= max(_SILENT_S, 2 * self._told.get(what, 0))
         if is_due and self._scan is None and receiver is not None and intake.source.log is None:
             sources = [one.source for one in self._schedule.intakes.values()]
-            self._scan = TypeScan(receiver.url, {fingerprint(source.lcm_class) for source in sources})
+            self._scan = TypeScan(receiver.url, {codec_of(source.lcm_class).fingerprint for source in sources})
         if silent_s <= _SILENT_S or not (self._scan is None or self._scan.is_over):
             return
         if self._is_news(what, round(silent_s), 1):
@@ -126,7 +126,7 @@ class Alarms:
         graph, source = self._schedule.graph, intake.source
         own = {one.name for one in graph.channels.values()}
         own |= {one.name for one in graph.inputs.values()} | {one.name for one in graph.outputs.values()}
-        found = self._scan.channels(fingerprint(source.lcm_class)) if self._scan is not None else {}
+        found = self._scan.channels(codec_of(source.lcm_class).fingerprint) if self._scan is not None else {}
         for channel, rate_hz in sorted(found.items()):
             if channel not in own:
                 yield f"{shown_name(channel)} carries {source.type_name} at {rate_hz:.3g} Hz"

@@ -7,7 +7,6 @@ from itertools import combinations
 from typing import NamedTuple
 
 from graphnav import Graph
-from graphnav.core.runner import MAX_UNMATCHED
 from graphnav.live.inputs.sender_monitor import SenderMonitor
 from graphnav.live.live_schedule import LiveSchedule
 
@@ -59,13 +58,13 @@ class Clocks:
         for pair in self._pairs:
             yield from self._apart(pair)
         for name, unit in self._schedule.engine.units.items():
-            unmatched = unit.inbox.join.unmatched
-            if len(unmatched) > 1 and min(unmatched.values()) >= MAX_UNMATCHED:
+            join = unit.inbox.join
+            if join.never_matches:
                 self.is_troubled = True
-                gap_s = unit.inbox.join.gap_us() * 1e-6
+                gap_s = join.gap_us() * 1e-6
                 yield from self._news(
                     f"{name} joins",
-                    f"{name} joins nothing: {', '.join(unmatched)} have no stamp in common, the nearest differ by "
+                    f"{name} joins nothing: {', '.join(join.unmatched)} have no stamp in common, the nearest differ by "
                     f"{gap_s:.3g} s",
                     gap_s,
                 )

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from graphnav import FieldError, Message
-from graphnav.core.codec import DecodeError, codec_of, fields_of, fingerprint, lcm_name, type_of
+from graphnav.core.codec import DecodeError, codec_of, fields_of, lcm_name, type_of
 from graphnav.core.errors import failure_line
 from graphnav.core.graph import InputChannel
 from graphnav.core.interrupts import CtrlC
@@ -50,7 +50,7 @@ class Intake:
     def __init__(self, source: InputChannel, clock: LiveClock, *, needs_all: bool) -> None:
         self.source = source
         self.monitor = SenderMonitor(source.max_age_s)
-        self.mailbox = Mailbox(fingerprint(source.lcm_class), GATHERED if needs_all else NEWEST, self._is_own)
+        self.mailbox = Mailbox(codec_of(source.lcm_class).fingerprint, GATHERED if needs_all else NEWEST, self._is_own)
         self.needs_all = needs_all
         self.used = 0
         """Number of delivered messages."""

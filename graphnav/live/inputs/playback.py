@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from graphnav import GraphnavError, Recording, UserError
-from graphnav.core.codec import fingerprint
+from graphnav.core.codec import codec_of
 from graphnav.core.graph import InputChannel
 from graphnav.core.record import find_log
 from graphnav.live.inputs.receiver import Mailbox
@@ -82,7 +82,7 @@ def _stream(
         hint = f"it has {known}" if known else "it is empty"
         raise UserError.of(f"{recording.path} does not contain the channel '{source.name}'", hint, source.place)
     data = recording.event(source.name, 0).data
-    if data[:8] != fingerprint(source.lcm_class):
+    if data[:8] != codec_of(source.lcm_class).fingerprint:
         found = recording.channels[source.name]
         kind = "another type" if found is None else found.__name__
         raise UserError.of(

@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING
 
 from graphnav import UserError
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, FailureReport, Options, catalog_of, notices_of, overrides_of
+from graphnav.core.cli import CommandArguments, Exit, FailureReport, Options
 from graphnav.core.errors import LogError
 from graphnav.core.parameters import Parameter, command, flag, many
 
 if TYPE_CHECKING:
     from graphnav import GraphnavError
     from graphnav.replay.comparison.field_differences import Tolerance
-    from graphnav.replay.log.log_graph import LogGraph
 
 
 def _words(text: str) -> list[str]:
@@ -89,15 +88,17 @@ def _tolerance(text: str) -> Tolerance:
     Options.JSON,
     Options.VERBOSE,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command; the exit status is 1 if anything differs."""
     from graphnav import Recording
     from graphnav.core.cli import damage_told, opened, progress_bar
     from graphnav.core.machine import Console
+    from graphnav.core.notices import print_notice
     from graphnav.core.record import find_log
     from graphnav.replay.comparison.field_differences import Tolerance
     from graphnav.replay.comparison.result_text import as_text
     from graphnav.replay.log.log_graph import graph_to_replay
+    from graphnav.replay.plan import make_plan, notices_of
     from graphnav.replay.replay import ReplayOptions, replay
 
     report = FailureReport(args)
@@ -109,15 +110,16 @@ def main(args: argparse.Namespace) -> int:
     if args.cold and not args.from_s:
         raise UserError.of("--cold starts at --from with fresh state, but there is no --from", "add --from S")
     log = find_log(args.log)
-    catalog = catalog_of(args)
+    catalog = args.catalog()
     play = [word for words in args.play for word in words]
     try:
         recording = opened(log, catalog, args.plugins) if play else Recording(log)
     except LogError as error:
         raise UserError.of(str(error), "name a run folder, or a log") from error
     with recording, damage_told(recording):
-        made = graph_to_replay(recording, catalog, graph=args.graph, overrides=overrides_of(args), plugins=args.plugins)
-        _print_notices(made, play, verbose=args.verbose)
+        made = graph_to_replay(recording, catalog, graph=args.graph, overrides=args.overrides(), plugins=args.plugins)
+        for notice in (*args.notices_of(made.graph), *notices_of(make_plan(made.graph, play))):
+            print_notice(notice)
         options = ReplayOptions(play, args.from_s, args.cold, args.tolerance or Tolerance())
         with progress_bar(Console(stderr=True), log.parent.name or log.name, None) as on_tick:
             result = replay(recording, made, options, out=args.out, on_tick=on_tick, on_failure=show_failure)
@@ -129,12 +131,3 @@ def main(args: argparse.Namespace) -> int:
         console = Console(highlight=False, soft_wrap=True)
         console.print(as_text(result, console), soft_wrap=True)
     return Exit.OK if result.is_equal else Exit.FAILED
-
-
-def _print_notices(made: LogGraph, play: list[str], *, verbose: bool) -> None:
-    from graphnav.core.notices import print_notice
-    from graphnav.replay.plan import make_plan
-    from graphnav.replay.plan import notices_of as notices_of_plan
-
-    for notice in (*notices_of(made.graph, verbose=verbose), *notices_of_plan(make_plan(made.graph, play))):
-        print_notice(notice)

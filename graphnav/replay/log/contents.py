@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from graphnav import About, Graph, Recording, UserError
-from graphnav.core.codec import fingerprint
+from graphnav.core.codec import codec_of
 from graphnav.core.graph import RESERVED, Channel
 from graphnav.core.record import Head
 
@@ -120,7 +120,7 @@ def _other_types(heads: Sequence[Head], channels: Mapping[str, Channel]) -> froz
     """Return the channels without any message of the type in the graph."""
     right: dict[str, bool] = defaultdict(bool)
     for head in heads:
-        right[head.channel] |= head.fingerprint == fingerprint(channels[head.channel].message.lcm_class)
+        right[head.channel] |= head.fingerprint == codec_of(channels[head.channel].message.lcm_class).fingerprint
     return frozenset(name for name, is_right in right.items() if not is_right)
 
 
@@ -128,7 +128,7 @@ def _is_damaged(head: Head, channels: Mapping[str, Channel], known: Collection[s
     if head.channel not in known or (is_own and head.logged_us != head.utime):
         return True
     channel = channels.get(head.channel)
-    return channel is not None and head.fingerprint != fingerprint(channel.message.lcm_class)
+    return channel is not None and head.fingerprint != codec_of(channel.message.lcm_class).fingerprint
 
 
 def _is_repeated(head: Head, before: Sequence[Logged]) -> bool:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from graphnav import Recording, UserError
 from graphnav.core.codec import DecodeError, decode
-from graphnav.core.graph import Channel, Input
+from graphnav.core.graph import Channel
 from graphnav.core.messages import Fired
 from graphnav.core.runner import Used
 from graphnav.replay.log.contents import Contents, Logged
@@ -62,7 +62,7 @@ def read_firings(
         The log holds no firings, or messages of steps are missing for another reason than damage.
     """
     added = plan.stepped_names - wires.keys()
-    new_ports = frozenset((name, i.port.name) for name, i in new_inputs(plan, wires) if name not in added)
+    new_ports = frozenset(new for new in new_inputs(plan, wires) if new[0] not in added)
     reader = _Reader(plan, contents, new_ports)
     firings: list[Firing] = []
     n_missing: Counter[str] = Counter()
@@ -158,12 +158,12 @@ class _Reader:
         return self._by_stamp[channel.name].get(used.utime)
 
 
-def new_inputs(plan: Plan, wires: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[str, Input]]:
-    """Yield the inputs of stepping stages that the recorded run did not have, or had wired differently.
+def new_inputs(plan: Plan, wires: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[str, str]]:
+    """Yield stage and port of inputs of stepping stages that the run did not have, or had wired differently.
 
     ``wires``: the channel of each port in that run, by stage and port.
     """
     for node in plan.stepped.nodes:
         for i in node.inputs:
             if i.channel is not None and wires.get(node.name, {}).get(i.port.name) != i.channel.ref:
-                yield node.name, i
+                yield node.name, i.port.name

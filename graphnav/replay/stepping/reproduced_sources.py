@@ -8,7 +8,7 @@ from typing import NamedTuple
 from graphnav import Message, Recording, Stage
 from graphnav.core.codec import decode
 from graphnav.core.graph import Channel
-from graphnav.core.runner import Engine, LockstepInbox, Unit, fire
+from graphnav.core.runner import LockstepEngine
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.reproduction import Reproduction
 
@@ -31,15 +31,7 @@ class ReproducedSources:
     def __init__(
         self, reproduction: Reproduction, stages: Mapping[str, Stage], recording: Recording, contents: Contents
     ) -> None:
-        self.engine = Engine(
-            reproduction.nodes,
-            stages,
-            (),
-            LockstepInbox,
-            LockstepInbox.put,
-            is_wired=False,
-            published=self._keep,
-        )
+        self.engine = LockstepEngine(reproduction.nodes, stages, (), is_wired=False, published=self._keep)
         self._reproduction, self._recording = reproduction, recording
         self._messages = {channel.name: channel.message for channel in reproduction.inputs}
         self._heard = {node.name: reproduction.heard_by(node, contents) for node in reproduction.nodes}
@@ -78,15 +70,15 @@ class ReproducedSources:
         if stamp != utime:
             return []
         unit = self.engine.units[name]
-        self._hear(unit, utime)
+        self._hear(name, utime)
         self.engine.utime, self._made = utime, []
-        fire(self.engine, unit, utime)
+        self.engine.fire_at(unit, utime)
         self._due[name] = unit.due_us(k + 1), k + 1
         return self._made
 
-    def _hear(self, unit: Unit[LockstepInbox], utime: int) -> None:
-        heard = self._heard[unit.node.name]
-        while (n := self._n_heard[unit.node.name]) < len(heard) and (heard[n].utime, not heard[n].is_before) <= (
+    def _hear(self, name: str, utime: int) -> None:
+        unit, heard = self.engine.units[name], self._heard[name]
+        while (n := self._n_heard[name]) < len(heard) and (heard[n].utime, not heard[n].is_before) <= (
             utime,
             False,
         ):
@@ -95,7 +87,7 @@ class ReproducedSources:
             for i in unit.node.inputs:
                 if i.channel is not None and i.channel.name == channel:
                     unit.inbox.put(i.port, sent, 0, message)
-            self._n_heard[unit.node.name] = n + 1
+            self._n_heard[name] = n + 1
 
     def _keep(self, channel: Channel, utime: int, number: int, _message: Message, data: bytes) -> None:
         self._made.append(Made(channel, utime, number, data))

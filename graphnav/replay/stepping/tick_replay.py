@@ -8,7 +8,7 @@ from typing import NamedTuple
 from graphnav import Recording, Stage
 from graphnav.core.codec import decode
 from graphnav.core.errors import StageError
-from graphnav.core.runner import Engine, LockstepInbox, Sink, fire_complete
+from graphnav.core.runner import LockstepEngine, Sink
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.schedule import Tick
 from graphnav.replay.plan import Plan
@@ -53,12 +53,10 @@ class TickReplay:
         again: ReproducedSources | None = None,
     ) -> None:
         self._played = {channel.name for channel in plan.played}
-        self.engine = Engine(
+        self.engine = LockstepEngine(
             plan.stepped.nodes,
             stages,
             (*sinks.results, *sinks.logs),
-            LockstepInbox,
-            LockstepInbox.put,
             played=self._played,
             commands=plan.graph.commands,
         )
@@ -166,7 +164,7 @@ class TickReplay:
                 if one.channel.name in self._played:
                     self._compare(one)
             if (unit := self.engine.units.get(name)) is not None:
-                fire_complete(self.engine, unit, tick.utime)
+                self.engine.fire_complete(unit, tick.utime)
 
     def _compare(self, made: Made) -> None:
         """Compare a message that is made again with the recorded one, which is played."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
-from graphnav.core.api import Argument, KeptFolder, PathLike, Shared, add_plugins, tell
+from graphnav.core.api import Argument, KeptFolder, PathLike, Shared, tell
 from graphnav.core.catalog import Catalog
 from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust
@@ -74,7 +74,7 @@ def ablate(
 def _made(request: StudyRequest, kept: KeptFolder | None, options: ExecutionOptions) -> Study:
     """Return a study after all its runs were made."""
     Argument(request.reference, REFERENCE).check_text("the name of a variant")
-    catalog = add_plugins(Catalog(Trust(runs_all=True)), request.plugins)
+    catalog = Catalog(Trust(runs_all=True)).add_files(request.plugins)
     study = request.check(catalog)
     kept = kept or KeptFolder.temporary()
     with StudyFolder(kept.path) as folder:

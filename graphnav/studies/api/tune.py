@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from graphnav import Problem
-from graphnav.core.api import Argument, KeptFolder, PathLike, Shared, add_plugins
+from graphnav.core.api import Argument, KeptFolder, PathLike, Shared
 from graphnav.core.catalog import Catalog
 from graphnav.core.parameters import documented
 from graphnav.core.trust import Trust
@@ -118,7 +118,7 @@ def tune(
         problems=problems,
     )
     options = execution_of(jobs, cluster, 0, keep_logs=False, fail_fast=False)
-    tuning = check_tuning(request, add_plugins(Catalog(Trust(runs_all=True)), request.plugins), request.command)
+    tuning = check_tuning(request, Catalog(Trust(runs_all=True)).add_files(request.plugins), request.command)
     kept = KeptFolder.temporary() if folder is None else KeptFolder.named(folder, FOLDER)
     return Tuned(tune_into(tuning, kept.path, options.jobs, options.cluster), kept)
 

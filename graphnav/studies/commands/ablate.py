@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import shlex
 import sys
 from contextlib import suppress
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from graphnav import GraphnavError, Problem, UserError, shown_path
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, catalog_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.errors import CatalogError
 from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.notices import print_notice
@@ -108,7 +107,7 @@ _OF_RUNS = (
     ),
     about=_ABOUT,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.machine import Console
     from graphnav.studies.ablation.execution import read_plan
@@ -133,12 +132,12 @@ def main(args: argparse.Namespace) -> int:
     if not args.study:
         raise UserError.of("no study is named", "name one: graphnav ablate detectors --seeds 0:10")
     with ended_by_interrupt(owns_process=args.owns_process):
-        catalog = catalog_of(args, runs_all=True)
+        catalog = args.catalog(runs_all=True)
         study = _request(args).check(catalog, shlex.join(["graphnav", *args.words]))
     return _run(study, catalog, args, console)
 
 
-def _refuse_mixtures(args: argparse.Namespace) -> None:
+def _refuse_mixtures(args: CommandArguments) -> None:
     """Raise UserError if --report or --compare is combined with options of a study that runs."""
     if args.trust and not args.report:
         raise UserError.of("--trust is for --report: studies run what they name", "remove it, or add --report DIR")
@@ -158,7 +157,7 @@ def _refuse_mixtures(args: argparse.Namespace) -> None:
         raise UserError.of(what, f"remove {'it' if len(given) == 1 else 'them'}")
 
 
-def _request(args: argparse.Namespace) -> StudyRequest:
+def _request(args: CommandArguments) -> StudyRequest:
     """Return the study that the command line asks for."""
     from graphnav.core.graph import Override
     from graphnav.studies.ablation.study import parse_varies, parse_worlds
@@ -182,7 +181,7 @@ def _request(args: argparse.Namespace) -> StudyRequest:
     )
 
 
-def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, console: Console) -> int:
+def _run(study: CheckedStudy, catalog: Catalog, args: CommandArguments, console: Console) -> int:
     """Make the pending runs of a study, draw its failures, write its report."""
     from graphnav.studies.ablation.execution import StudyFolder, pending_jobs
     from graphnav.studies.ablation.results import parse_pairs
@@ -216,13 +215,12 @@ def _run(study: CheckedStudy, catalog: Catalog, args: argparse.Namespace, consol
     return Exit.OK
 
 
-def _catalog_of_usable_plugins(args: argparse.Namespace, plan: Plan) -> Catalog:
+def _catalog_of_usable_plugins(args: CommandArguments, plan: Plan) -> Catalog:
     """Return the catalog with the usable and trusted plugin files of a study: only drawings need them."""
     from graphnav.core.catalog import Catalog
-    from graphnav.core.cli import trust_of
     from graphnav.core.trust import Request, read_plugin
 
-    catalog = Catalog(trust_of(args))
+    catalog = Catalog(args.trusted())
     sources: dict[Path, bytes] = {}
     for plugin in map(Path, plan.plugins):
         with suppress(OSError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import shlex
 import sys
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from graphnav import Problem, UserError
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, catalog_of, counted
+from graphnav.core.cli import CommandArguments, Exit, Options, counted
 from graphnav.core.interrupts import ended_by_interrupt
 from graphnav.core.parameters import command
 from graphnav.studies.parameters import (
@@ -60,7 +59,7 @@ _MANY_RUNS = 1000
     YES,
     about=_ABOUT,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     with ended_by_interrupt(owns_process=args.owns_process):
         from graphnav.core.machine import Console
@@ -68,7 +67,7 @@ def main(args: argparse.Namespace) -> int:
         from graphnav.studies.commands.study_progress import study_bar
         from graphnav.studies.tuning import check_tuning, named_after
 
-        tuning = check_tuning(_request(args), catalog_of(args, runs_all=True), shlex.join(["graphnav", *args.words]))
+        tuning = check_tuning(_request(args), args.catalog(runs_all=True), shlex.join(["graphnav", *args.words]))
     console = Console(highlight=False, soft_wrap=True)
     folder = args.folder or Path("tunings") / named_after(args.study)
     _print_search(tuning, console)
@@ -89,7 +88,7 @@ def main(args: argparse.Namespace) -> int:
     return Exit.FAILED if run.has_failed() else Exit.OK
 
 
-def _request(args: argparse.Namespace) -> TuningRequest:
+def _request(args: CommandArguments) -> TuningRequest:
     """Return the tuning that the command line asks for."""
     from graphnav.core.graph import Override
     from graphnav.studies.ablation.study import parse_varies

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from typing import TYPE_CHECKING
 
+from graphnav.core.cli import CommandArguments
 from graphnav.core.parameters import command
 from graphnav.watch.commands import channel_report
 
@@ -24,7 +24,7 @@ _KEYS = """\
 
 
 @command(*channel_report.PARAMETERS, examples=channel_report.json_keys(_KEYS))
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.watch.spy import sizes_as_json
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.watch.commands.listening import TIMEOUT_S, ReportTimes, Timeout
 from graphnav.watch.commands.options import FEED, channel_and_feed
 
@@ -37,7 +36,7 @@ def json_keys(keys: str) -> str:
 
 
 def report(
-    args: argparse.Namespace,
+    args: CommandArguments,
     line: Callable[[WatchedChannel], str],
     table: Callable[[Watch], Table],
     as_json: Callable[[WatchedChannel], dict[str, Any]],
@@ -51,8 +50,8 @@ def report(
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.feed import MAX_CHANNELS, Feed, Watch
 
-    catalog = catalog_of(args)
-    load_types_of(args, catalog)
+    catalog = args.catalog()
+    args.load_types(catalog)
     name, source = channel_and_feed(args)
     feed = complete(Feed(source), catalog, args.plugins, None if name is None else [name])
     watch = Watch(feed.clock, name)
@@ -86,7 +85,7 @@ def report(
 
 
 def _print_end(
-    args: argparse.Namespace,
+    args: CommandArguments,
     feed: Feed,
     channels: Mapping[str, WatchedChannel],
     line: Callable[[WatchedChannel], str],

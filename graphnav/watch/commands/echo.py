@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import time
 from typing import TYPE_CHECKING
 
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.errors import shown_name
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import OneOf, command, flag, many
@@ -52,7 +51,7 @@ examples:
     Shared.TRUST,
     examples=_EXAMPLES,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav import Place, UserError
     from graphnav.watch.commands.echo_formats import CsvRows, EchoedMessage, JsonLines, Lines
@@ -64,8 +63,8 @@ def main(args: argparse.Namespace) -> int:
     if args.csv and args.full:
         raise UserError.of("a table has no complete arrays", "use --jsonl --full, or name elements", Place("--csv"))
     paths = [parse_field(text) for text in args.fields]
-    catalog = catalog_of(args)
-    load_types_of(args, catalog)
+    catalog = args.catalog()
+    args.load_types(catalog)
     feed = complete(Feed(args.feed), catalog, args.plugins, [args.channel])
     watch = Watch(feed.clock, args.channel)
     form = Lines if not args.jsonl else JsonLines
@@ -92,7 +91,7 @@ def main(args: argparse.Namespace) -> int:
 class _Wait:
     """Waits for the messages of a live channel: until ``--timeout``, or until the run that sends it has ended."""
 
-    def __init__(self, args: argparse.Namespace, feed: Feed, watch: Watch) -> None:
+    def __init__(self, args: CommandArguments, feed: Feed, watch: Watch) -> None:
         self.n_printed = 0
         self.is_cut_short = False
         """Whether the run ended before there were as many messages as ``-n`` asks for."""

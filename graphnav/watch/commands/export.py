@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, many
 from graphnav.watch.commands.options import FROM_S, TO_S
@@ -56,7 +55,7 @@ examples:
     Shared.TRUST,
     examples="\n".join(["formats:", *(f"  {name:<9}{text}" for name, text in FORMATS.items()), "", _EXAMPLES]),
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command: export, list the files and the losses."""
     from graphnav.core.cli import damage_told, opened, progress_bar
     from graphnav.core.machine import Console
@@ -64,8 +63,8 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.runner import size_text
     from graphnav.watch.export import Selection, duration_s, export_log
 
-    catalog = catalog_of(args)
-    load_types_of(args, catalog)
+    catalog = args.catalog()
+    args.load_types(catalog)
     selection = Selection(tuple(args.channels), args.from_s, args.until_s)
     with opened(find_log(args.log), catalog, args.plugins) as recording, damage_told(recording):
         until_s = min(duration_s(recording), selection.until_s)

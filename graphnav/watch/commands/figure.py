@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import math
 from pathlib import Path
 
 from graphnav import UserError
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.errors import shown_name
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, many
@@ -48,10 +47,10 @@ _PICTURE_FORMATS = ("png", "svg", "pdf")
     ),
     Shared.TRUST,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command: draw, and list the files."""
     from graphnav.core.catalog import Catalog
-    from graphnav.core.cli import damage_told, opened, trust_of
+    from graphnav.core.cli import damage_told, opened
     from graphnav.core.record import find_log
     from graphnav.core.report import LogPictures, removed_if_empty
     from graphnav.watch.loginfo import unfinished
@@ -65,7 +64,7 @@ def main(args: argparse.Namespace) -> int:
         print_notice(f"{log}: {shown_name(notice)}; the pictures show the log up to there")
     folder = args.folder or log.parent
     catalog = Catalog()
-    with opened(log, Catalog(trust_of(args))) as recording, damage_told(recording):
+    with opened(log, Catalog(args.trusted())) as recording, damage_told(recording):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             drawn: list[Path] = []

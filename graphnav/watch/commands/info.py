@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 
-from graphnav.core.cli import Exit, Options, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.parameters import command
 
 
 @command(Options.LOG, *Options.TYPES, Options.JSON)
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.cli import short_type
     from graphnav.core.record import find_log
@@ -18,7 +17,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.watch.loginfo import as_json, as_text, survey
     from graphnav.watch.loginfo.summary import HEADINGS, damage, rows
 
-    load_types_of(args)
+    args.load_types()
     info = survey(find_log(args.log))
     if args.json:
         print(json.dumps(as_json(info)))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import time
 from typing import TYPE_CHECKING
 
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, StatusLine, counted, positive, url_of
+from graphnav.core.cli import CommandArguments, Exit, Options, StatusLine, counted, positive
 from graphnav.core.errors import shown_name
 from graphnav.core.parameters import Parameter, command, flag
 from graphnav.watch.commands.options import CHANNELS, channels_of
@@ -41,19 +40,19 @@ In a terminal keys pause, step and seek. Nothing leaves this machine unless the 
     Shared.TRUST,
     examples=_EXAMPLES,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.bus import Bus
     from graphnav.core.catalog import Catalog
-    from graphnav.core.cli import opened, trust_of
+    from graphnav.core.cli import opened
     from graphnav.core.notices import print_notice
     from graphnav.core.record import find_log
     from graphnav.watch.commands.foreground_keyboard import open_keyboard
     from graphnav.watch.player import HELP, Player, select_events
 
     channels = channels_of(args)
-    url = url_of(args)
-    with opened(find_log(args.log), Catalog(trust_of(args))) as recording:
+    url = args.lcm_url()
+    with opened(find_log(args.log), Catalog(args.trusted())) as recording:
         cursor = select_events(recording, channels, args.start, args.end, loop=args.loop)
         cursor.set_speed(args.speed)
         _tell(recording, cursor)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import math
 import time
 from datetime import UTC, datetime
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav import Place, UserError
-from graphnav.core.cli import Exit, Options, StatusLine, counted, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options, StatusLine, counted
 from graphnav.core.parameters import COUNT, Parameter, command, flag
 from graphnav.watch.commands.options import CHANNELS, channels_of
 from graphnav.watch.commands.quantities import size, split
@@ -62,7 +61,7 @@ _MAX_ROWS = 100
     Options.FOR_S,
     examples=_EXAMPLES,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.codec import lcm_text_of
     from graphnav.core.interrupts import Interrupt
@@ -70,7 +69,7 @@ def main(args: argparse.Namespace) -> int:
     from graphnav.core.notices import print_notice
     from graphnav.watch.recorder import buffer_notice
 
-    types = load_types_of(args)
+    types = args.load_types()
     if args.rotate is not None and args.split is None:
         raise UserError.of("only one file is written", "add --split SIZE, or remove it", Place("--rotate"))
     path = args.path or Path(f"record-{datetime.now(UTC).astimezone():%Y%m%d-%H%M%S}.lcmlog")
@@ -90,7 +89,7 @@ def main(args: argparse.Namespace) -> int:
     return Exit.FAILED if recorder.failure else Exit.OK
 
 
-def _opened(args: argparse.Namespace, url: str, path: Path, definitions: str) -> Recorder:
+def _opened(args: CommandArguments, url: str, path: Path, definitions: str) -> Recorder:
     """Return a recorder whose log is open; raise UserError if the file exists or cannot be written."""
     from graphnav.core.notices import print_notice
     from graphnav.core.record import LogFiles, files_of, parts_of

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import gc
 import json
 import os
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.parameters import Parameter, command, flag
 from graphnav.watch.commands.options import FEED
 
@@ -45,15 +44,15 @@ _PLAIN_TERMINALS = {"dumb", "unknown", ""}
     *Options.TYPES,
     Shared.TRUST,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.machine import Console
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.feed import Feed, Watch, drops_of
     from graphnav.watch.spy import as_json, as_text
 
-    catalog = catalog_of(args)
-    load_types_of(args, catalog)
+    catalog = args.catalog()
+    args.load_types(catalog)
     feed = complete(Feed(args.feed), catalog, args.plugins)
     if not (args.once or args.json) and _has_screen():
         return _full_screen(feed, catalog, args.graphics)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 from typing import TYPE_CHECKING
 
-from graphnav.core.cli import Exit, Options, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.parameters import command, flag
 from graphnav.watch.commands.options import FEED
 
@@ -36,13 +35,13 @@ _KEYS = (("space", "freeze the view, or go on"), ("?", "show the keys, or hide t
     *Options.TYPES,
     about="keys: " + "; ".join(f"{key}: {what}" for key, what in _KEYS),
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.machine import Console
     from graphnav.watch.feed import Feed, Health
     from graphnav.watch.spy import health_as_json, health_as_text
 
-    load_types_of(args)
+    args.load_types()
     feed = Feed(args.feed)
     health = Health(feed.clock)
     console = Console(highlight=False)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 from typing import TYPE_CHECKING
 
 from graphnav import UserError
 from graphnav.core.api import Shared
-from graphnav.core.cli import Exit, Options, catalog_of, load_types_of
+from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.parameters import Parameter, command, flag
 from graphnav.watch.commands.options import FEED
 from graphnav.watch.commands.quantities import port_number
@@ -49,15 +48,15 @@ _LOOPBACK = "127.0.0.1"
     *Options.TYPES,
     Shared.TRUST,
 )
-def main(args: argparse.Namespace) -> int:
+def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.notices import print_notice
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.feed import Feed
     from graphnav.watch.view import is_loopback
 
-    catalog = catalog_of(args)
-    load_types_of(args, catalog)
+    catalog = args.catalog()
+    args.load_types(catalog)
     feed = complete(Feed(args.feed), catalog, args.plugins)
     if feed.is_live:
         feed.check()

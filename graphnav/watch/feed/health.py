@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from graphnav import About, GuardState, Status
-from graphnav.core.codec import DecodeError, decode, fingerprint
+from graphnav.core.codec import DecodeError, codec_of, decode
 from graphnav.core.record import silent_after_s
 from graphnav.watch.channel_account import Clock
 from graphnav.watch.feed.announcements import MAX_RUNS, RUN_SILENT_S
@@ -14,8 +14,6 @@ from graphnav.watch.feed.feed import Received
 
 _GUARD_SILENT_S = silent_after_s(None)
 """A guard, which sends its state many times a second, is silent after this time without one."""
-
-_STATUS, _GUARD = fingerprint(Status.lcm_class), fingerprint(GuardState.lcm_class)
 
 
 @dataclass
@@ -67,11 +65,12 @@ class Health:
     def receive(self, received: Received) -> bool:
         """Process a message; return whether it was a status. Undecodable messages are ignored."""
         try:
-            if received.data[:8] == _STATUS:
+            mark = received.data[:8]
+            if mark == codec_of(Status.lcm_class).fingerprint:
                 utime, seq, status = decode(Status, received.data)
                 self._keep_run(RunHealth(status.run_id, received.at_s, status, utime, seq))
                 return True
-            if received.data[:8] == _GUARD:
+            if mark == codec_of(GuardState.lcm_class).fingerprint:
                 utime, _, state = decode(GuardState, received.data)
                 self.guards.pop(received.channel, None)
                 self.guards[received.channel] = GuardHealth(received.channel, received.at_s, state, utime)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from graphnav import Place, UserError, did_you_mean
-from graphnav.core.codec import Dim, Field, fields_of, lcm_name
+from graphnav.core.codec import Field, fields_of, lcm_name
 from graphnav.watch.fields.field_path import MISSING, FieldPath, Index, Step, path_of
 
 _MAX_COLUMNS = 1000
@@ -108,7 +108,7 @@ def _choices(field: Field, indices: tuple[Index, ...]) -> list[Sequence[int]] | 
     return known if len(known) == len(found) else None
 
 
-def _on_axis(dim: Dim, index: Index | None) -> Sequence[int] | None:
+def _on_axis(dim: int | str, index: Index | None) -> Sequence[int] | None:
     if isinstance(index, int):
         return [index]
     if isinstance(dim, int):

@@ -31,6 +31,17 @@ def save_graph(graph: Graph, folder: Path) -> None:
         remember_written(copies)
 
 
+def remember_copies(plugins: Sequence[Path]) -> None:
+    """Remember the copies that runs save of their plugins as written by this user, wherever they are made.
+
+    Raises
+    ------
+    UserError
+        A plugin can no longer be read.
+    """
+    remember_written(copies_of(plugins))
+
+
 def copies_of(plugins: Sequence[Path]) -> dict[str, bytes]:
     """Return the content of each saved plugin by its path in the run folder.
 

@@ -13,8 +13,8 @@ from typing import Self
 
 from graphnav import GraphnavError, UserError
 from graphnav.core.run_folder import RunFolder
-from graphnav.core.runner import copies_of
-from graphnav.core.trust import Request, read_plugin, remember_written
+from graphnav.core.runner import remember_copies
+from graphnav.core.trust import Request, read_plugin
 from graphnav.studies.ablation.plan import RUNS, Plan, check_compatible, load_plan, save_plan
 
 _LOCK = ".lock"
@@ -149,7 +149,7 @@ def _remember(folder: Path, plan: Plan) -> None:
     sources = {Path(plugin): read_plugin(Path(plugin)) for plugin in plan.plugins if os.path.isfile(plugin)}
     if sources:
         Request.of_plan(folder, sources).remember()
-        remember_written(copies_of(list(sources)))
+        remember_copies(list(sources))
 
 
 def read_plan(folder: Path) -> Plan:
