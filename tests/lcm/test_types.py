@@ -83,6 +83,8 @@ def filled(lcm_class: Any) -> Any:
         setattr(made, name, value)
     if lcm_class is graphnav_lcm.local_map_t:
         made.cell_m, made.state = 0.5, [[3] * made.cols] * made.rows
+    if lcm_class is graphnav_lcm.scan_t:
+        made.angle_increment_rad, made.range_min_m, made.range_max_m = 0.01, 0.1, 9.0
     return made
 
 

@@ -14,7 +14,7 @@ class BarnKeys(Record):
     Up to 365 cylinders of 0.15 m diameter stand on a grid of 0.15 m: a field from y = 5.1 to 9.6 m, which the robot
     enters from a lane below and leaves at the top, between two rows of cylinders 4.35 m apart. It starts at (-2.25, 3)
     and looks along y; the goal is the circle of 1 m around (-2.25, 13). Beyond the field the floor is free without
-    end: add a wall around the goal, as the map of the graph `barn` does.
+    end: add a wall around the goal, as the map of the graph `barn_navigate` does.
 
     The worlds are those of D. Perille, A. Truong, X. Xiao and P. Stone, Benchmarking Metric Ground Navigation, SSRR
     2020; their licence is beside them.

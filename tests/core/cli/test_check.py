@@ -125,7 +125,7 @@ def test_a_missing_map_is_reported_beside_the_other_errors(capsys: pytest.Captur
         "  did you mean 'rate_hz'?\n"
         "broken.yaml:3:3: input 'map' of stage 'steer' (steer.frontier) is not connected\n"
         "  write in: {map: stage.port}; no stage here writes LocalMap: "
-        "add mapping.local, as local: {use: mapping.local}\n"
+        "add mapping.lidar or mapping.local, as lidar: {use: mapping.lidar}\n"
         "3 errors\n"
     )
 

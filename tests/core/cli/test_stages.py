@@ -99,7 +99,8 @@ def test_a_message_lists_what_writes_and_reads_it(name: str, capsys: pytest.Capt
     assert main(["stages", name, "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     assert said["message"] == "LocalMap"
-    assert said["writers"] == [{"stage": "mapping.local", "port": "local_map", "reading": ""}]
+    wanted = [{"stage": f"mapping.{name}", "port": "local_map", "reading": ""} for name in ("lidar", "local")]
+    assert said["writers"] == wanted
     assert {"stage": "steer.frontier", "port": "map", "reading": ""} in said["readers"]
     assert {"stage": "control.nonholonomic", "port": "map", "reading": "latest"} in said["readers"]
     assert main(["stages", name]) == 0
