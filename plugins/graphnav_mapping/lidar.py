@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 
-import cv2
 import numpy as np
 
-from graphnav import Continuity, LocalMap, Motion, ParamError, Scan, Stage, Stamp, param
+from graphnav import Continuity, LocalMap, Motion, Scan, Stage, Stamp, param
 from graphnav.arrays import Bools, Bytes, Doubles, Indices
-from graphnav_mapping.local import distance_m
-from graphnav_mapping.rolling_grid import RollingGrid
+from graphnav_mapping.rolling_grid import RollingGrid, without_jump
 
-_MIN_CELLS, _MAX_CELLS = 8, 2000
 _OBSTACLE, _FREE = 1.0, -1.0
 
 
@@ -41,10 +38,7 @@ class Lidar(Stage):
 
     def check(self) -> None:
         """Check that the grid is neither too coarse nor too fine for its size."""
-        cells = self._cells()
-        if not _MIN_CELLS <= cells <= _MAX_CELLS:
-            what = f"'size_m' {self.size_m:g} and 'cell_m' {self.cell_m:g} give a map of {cells} cells to a side"
-            raise ParamError("size_m", what, f"choose them for {_MIN_CELLS} to {_MAX_CELLS} cells")
+        RollingGrid.check(self.size_m, self.cell_m)
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Know nothing."""
@@ -57,26 +51,21 @@ class Lidar(Stage):
         It restarts after a gap of more than 3 periods, and where the motion is longer than half of the map: odometry
         that jumps does not tell where the robot is on it.
         """
-        if self._continuity.breaks(stamp):
+        usable = without_jump(motion, self.size_m)
+        if self._continuity.breaks(stamp) or usable is not motion:
             self._start()
-        if math.hypot(motion.forward_m, motion.left_m) > self.size_m / 2:
-            self._start()
-            motion = Motion(forward_m=0.0, left_m=0.0, turn_rad=0.0, interval_us=motion.interval_us)
         grid = self._grid
-        grid.move(motion.forward_m, motion.left_m, motion.turn_rad)
+        grid.move(usable)
         grid.evidence[self._passed(scan)] = _FREE
-        below = np.zeros(grid.evidence.shape, np.uint8)
-        cv2.circle(below, grid.cell(), math.ceil(self.robot_radius_m / grid.cell_m), 1, cv2.FILLED)
-        grid.evidence[below != 0] = _FREE
+        grid.stand(self.robot_radius_m, _FREE)
         grid.evidence[self._hit(scan)] = _OBSTACLE
-        return self._map()
+        state: Bytes = np.full(grid.evidence.shape, LocalMap.UNKNOWN, np.uint8)
+        state[grid.evidence == _FREE] = LocalMap.FREE
+        state[grid.evidence == _OBSTACLE] = LocalMap.OBSTACLE
+        return grid.to_map(state)
 
     def _start(self) -> None:
-        self._grid = RollingGrid(self._cells(), self.cell_m)
-
-    def _cells(self) -> int:
-        """Return the number of cells to a side."""
-        return math.ceil(self.size_m / self.cell_m)
+        self._grid = RollingGrid(self.size_m, self.cell_m)
 
     def _passed(self, scan: Scan) -> Bools:
         """Return the cells whose middle the next beam passes within ``clear_m``, (rows, cols)."""
@@ -101,23 +90,6 @@ class Lidar(Stage):
         size = len(grid.evidence)
         inside = (rows >= 0) & (rows < size) & (cols >= 0) & (cols < size)
         return rows[inside], cols[inside]
-
-    def _map(self) -> LocalMap:
-        grid = self._grid
-        state: Bytes = np.full(grid.evidence.shape, LocalMap.UNKNOWN, np.uint8)
-        state[grid.evidence == _FREE] = LocalMap.FREE
-        state[grid.evidence == _OBSTACLE] = LocalMap.OBSTACLE
-        return LocalMap(
-            cell_m=grid.cell_m,
-            origin_x_m=grid.origin_x_m,
-            origin_y_m=grid.origin_y_m,
-            x_m=grid.x_m,
-            y_m=grid.y_m,
-            yaw_rad=grid.yaw_rad,
-            state=state,
-            obstacle_m=distance_m(state == LocalMap.OBSTACLE, grid.cell_m),
-            unknown_m=distance_m(state == LocalMap.UNKNOWN, grid.cell_m),
-        )
 
 
 def _nearest_beam(scan: Scan, bearing_rad: Doubles) -> Indices:

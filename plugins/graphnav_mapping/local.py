@@ -12,12 +12,11 @@ import numpy as np
 from graphnav import Continuity, LocalMap, Motion, Mount, ParamError, Plane, Stage, Stamp, param
 from graphnav.arrays import Bools, Bytes, Floats
 from graphnav_mapping.movers import Look, Mover, Movers, swept
-from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid
+from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid, without_jump
 
 _OBSTACLE_EVIDENCE = 1.0
 _PRESUMED_FREE = -0.2
 _BESIDE = np.ones((3, 3), np.uint8)
-_MIN_CELLS, _MAX_CELLS = 8, 2000
 _LOOK_BACK_S = 0.8
 """How long ago the floor was seen that tells what moves."""
 _MAX_REACH = 100
@@ -101,10 +100,7 @@ class Local(Stage):
 
     def check(self) -> None:
         """Check that the grid is neither too coarse nor too fine for its size and for what moves on it."""
-        cells = self._cells()
-        if not _MIN_CELLS <= cells <= _MAX_CELLS:
-            what = f"'size_m' {self.size_m:g} and 'cell_m' {self.cell_m:g} give a map of {cells} cells to a side"
-            raise ParamError("size_m", what, f"choose them for {_MIN_CELLS} to {_MAX_CELLS} cells")
+        RollingGrid.check(self.size_m, self.cell_m)
         reach = self.max_mover_mps * _LOOK_BACK_S / self.cell_m
         if self.ahead_s and reach > _MAX_REACH:
             what = f"'max_mover_mps' {self.max_mover_mps:g} is {reach:.0f} cells in {_LOOK_BACK_S:g} s"
@@ -123,20 +119,18 @@ class Local(Stage):
         It restarts after a gap of more than 3 periods, and where the motion is longer than half of the map: odometry
         that jumps does not tell where the robot is on it.
         """
-        if self._continuity.breaks(stamp):
+        usable = without_jump(motion, self.size_m)
+        if self._continuity.breaks(stamp) or usable is not motion:
             self._start()
-        if math.hypot(motion.forward_m, motion.left_m) > self.size_m / 2:
-            self._start()
-            motion = Motion(forward_m=0.0, left_m=0.0, turn_rad=0.0, interval_us=motion.interval_us)
-        grid = self._grid
-        grid.move(motion.forward_m, motion.left_m, motion.turn_rad)
+        motion, grid = usable, self._grid
+        grid.move(motion)
         seen = grid.seen(self._labels(plane), self._mount.floor_to_pixels(*plane.valid.shape))
         moved_m = math.hypot(motion.forward_m, motion.left_m)
         self._driven_m += moved_m
         self._add(seen, min(1.0, moved_m / self.full_motion_m))
         movers = self._movers.find(Look(stamp, seen, grid.corner), self.min_mover_mps) if self.ahead_s else []
         self._forget_where_they_were(movers, seen)
-        self._stand()
+        grid.stand(self.robot_radius_m, -self.max_free_evidence)
         return self._map(swept(seen.shape, movers, self.ahead_s))
 
     def _forget_where_they_were(self, movers: list[Mover], seen: Bytes) -> None:
@@ -148,11 +142,7 @@ class Local(Stage):
     def _start(self) -> None:
         self._driven_m = 0.0
         self._movers = Movers(_LOOK_BACK_S, self.max_mover_mps, self.cell_m)
-        self._grid = RollingGrid(self._cells(), self.cell_m)
-
-    def _cells(self) -> int:
-        """Return the number of cells to a side."""
-        return math.ceil(self.size_m / self.cell_m)
+        self._grid = RollingGrid(self.size_m, self.cell_m)
 
     def _labels(self, plane: Plane) -> Bytes:
         """Return the labels of the plane's cells, 0 beyond the distance that is used."""
@@ -183,30 +173,13 @@ class Local(Stage):
         if self._driven_m < self.presumed_m:
             evidence[(seen == GROUND) & (np.abs(evidence) < -_PRESUMED_FREE)] = _PRESUMED_FREE
 
-    def _stand(self) -> None:
-        """Note that the floor below the robot is free."""
-        grid = self._grid
-        below = np.zeros(grid.evidence.shape, np.uint8)
-        cv2.circle(below, grid.cell(), math.ceil(self.robot_radius_m / grid.cell_m), 1, cv2.FILLED)
-        grid.evidence[below != 0] = -self.max_free_evidence
-
     def _map(self, ahead: Bytes) -> LocalMap:
         grid = self._grid
         state = (grid.evidence <= _PRESUMED_FREE).astype(np.uint8)
         state[grid.evidence >= _OBSTACLE_EVIDENCE] = LocalMap.OBSTACLE
         state[small_regions(state == LocalMap.UNKNOWN, self.min_unknown_m2 / grid.cell_m**2)] = LocalMap.FREE
         state[ahead != 0] = LocalMap.MOVING
-        return LocalMap(
-            cell_m=grid.cell_m,
-            origin_x_m=grid.origin_x_m,
-            origin_y_m=grid.origin_y_m,
-            x_m=grid.x_m,
-            y_m=grid.y_m,
-            yaw_rad=grid.yaw_rad,
-            state=state,
-            obstacle_m=distance_m(state >= LocalMap.OBSTACLE, grid.cell_m),
-            unknown_m=distance_m(state == LocalMap.UNKNOWN, grid.cell_m),
-        )
+        return grid.to_map(state)
 
 
 def small_regions(cells: Bools, min_cells: float) -> Bools:
@@ -215,16 +188,6 @@ def small_regions(cells: Bools, min_cells: float) -> Bools:
     is_small = stats[:, cv2.CC_STAT_AREA] < min_cells
     is_small[0] = False
     return np.asarray(is_small[labels])
-
-
-def distance_m(there: Bools, cell_m: float) -> Floats:
-    """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
-    farthest = np.float32(cell_m * math.hypot(*there.shape))
-    cells = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    # OpenCV's last bit depends on where memory lies. The square of a distance between cells is an integer.
-    apart = np.sqrt(np.rint(np.minimum(cells, np.float32(math.hypot(*there.shape))) ** 2))
-    rim_m: Floats = np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
-    return rim_m
 
 
 class MaskMount(Mount):

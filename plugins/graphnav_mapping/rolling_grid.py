@@ -1,16 +1,19 @@
-"""Evidence of obstacles on a grid that moves along with the robot."""
+"""Evidence of obstacles on a grid that moves along with the robot, and the map that it makes."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
 
-from graphnav.arrays import Bytes, Doubles, Floats
+from graphnav import LocalMap, Motion, ParamError
+from graphnav.arrays import Bools, Bytes, Doubles, Floats
 
 GROUND, OBSTACLE = 1, 2
 """Labels of a picture's cells; 0 is not judged."""
+_MIN_CELLS, _MAX_CELLS = 8, 2000
 
 
 class RollingGrid:
@@ -21,13 +24,14 @@ class RollingGrid:
 
     Parameters
     ----------
-    cells
-        Cells to a side.
+    size_m
+        Side of the grid, rounded up to full cells.
     cell_m
         Side of a cell.
     """
 
-    def __init__(self, cells: int, cell_m: float) -> None:
+    def __init__(self, size_m: float, cell_m: float) -> None:
+        cells = _cells(size_m, cell_m)
         self.cell_m = cell_m
         self.evidence: Floats = np.zeros((cells, cells), np.float32)
         self._middle_m = (cells - 1) / 2 * cell_m
@@ -35,12 +39,20 @@ class RollingGrid:
         self.x_m = self.y_m = self.yaw_rad = 0.0
         self.corner = (0, 0)
 
-    def move(self, forward_m: float, left_m: float, turn_rad: float) -> None:
+    @staticmethod
+    def check(size_m: float, cell_m: float) -> None:
+        """Raise ParamError for a grid that is too coarse or too fine for its size."""
+        cells = _cells(size_m, cell_m)
+        if not _MIN_CELLS <= cells <= _MAX_CELLS:
+            what = f"'size_m' {size_m:g} and 'cell_m' {cell_m:g} give a map of {cells} cells to a side"
+            raise ParamError("size_m", what, f"choose them for {_MIN_CELLS} to {_MAX_CELLS} cells")
+
+    def move(self, motion: Motion) -> None:
         """Move the robot by a displacement in the frame that it had before, and turn it."""
         c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
-        self.x_m += c * forward_m - s * left_m
-        self.y_m += s * forward_m + c * left_m
-        self.yaw_rad = math.remainder(self.yaw_rad + turn_rad, 2 * math.pi)
+        self.x_m += c * motion.forward_m - s * motion.left_m
+        self.y_m += s * motion.forward_m + c * motion.left_m
+        self.yaw_rad = math.remainder(self.yaw_rad + motion.turn_rad, 2 * math.pi)
         right = round((self.x_m - self.origin_x_m - self._middle_m) / self.cell_m)
         down = round((self.y_m - self.origin_y_m - self._middle_m) / self.cell_m)
         if max(abs(right), abs(down)) > len(self.evidence) // 8:
@@ -58,6 +70,26 @@ class RollingGrid:
     def cell(self) -> tuple[int, int]:
         """Return the column and row of the cell below the robot's centre."""
         return round((self.x_m - self.origin_x_m) / self.cell_m), round((self.y_m - self.origin_y_m) / self.cell_m)
+
+    def stand(self, radius_m: float, evidence: float) -> None:
+        """Give the floor below the robot, a disc, the evidence of free floor."""
+        below = np.zeros(self.evidence.shape, np.uint8)
+        cv2.circle(below, self.cell(), math.ceil(radius_m / self.cell_m), 1, cv2.FILLED)
+        self.evidence[below != 0] = evidence
+
+    def to_map(self, state: Bytes) -> LocalMap:
+        """Return the map with the state of every cell, (rows, cols)."""
+        return LocalMap(
+            cell_m=self.cell_m,
+            origin_x_m=self.origin_x_m,
+            origin_y_m=self.origin_y_m,
+            x_m=self.x_m,
+            y_m=self.y_m,
+            yaw_rad=self.yaw_rad,
+            state=state,
+            obstacle_m=distance_m(state >= LocalMap.OBSTACLE, self.cell_m),
+            unknown_m=distance_m(state == LocalMap.UNKNOWN, self.cell_m),
+        )
 
     def seen(self, labels: Bytes, floor_to_cells: Doubles) -> Bytes:
         """Return the label of every cell of the grid, 0 where the picture does not show it.
@@ -86,3 +118,26 @@ class RollingGrid:
         self.corner = self.corner[0] + right, self.corner[1] + down
         self.origin_x_m += right * self.cell_m
         self.origin_y_m += down * self.cell_m
+
+
+def without_jump(motion: Motion, size_m: float) -> Motion:
+    """Return the motion on a map of this side; none if it is longer than half of the map.
+
+    Odometry that jumps so far does not tell where the robot is on the map.
+    """
+    is_jump = math.hypot(motion.forward_m, motion.left_m) > size_m / 2
+    return replace(motion, forward_m=0.0, left_m=0.0, turn_rad=0.0) if is_jump else motion
+
+
+def distance_m(there: Bools, cell_m: float) -> Floats:
+    """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
+    farthest = np.float32(cell_m * math.hypot(*there.shape))
+    cells = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # OpenCV's last bit depends on where memory lies. The square of a distance between cells is an integer.
+    apart = np.sqrt(np.rint(np.minimum(cells, np.float32(math.hypot(*there.shape))) ** 2))
+    rim_m: Floats = np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
+    return rim_m
+
+
+def _cells(size_m: float, cell_m: float) -> int:
+    return math.ceil(size_m / cell_m)

@@ -51,7 +51,7 @@ class FollowTheGap(Stage):
     distance of the nearest obstacle, the goal's with the weight 1: an obstacle that is near makes it safe. Without a
     goal the robot heads for the gap's middle.
 
-    It keeps no map: it does not leave a dead end, and a wide gap that leads back attracts it. Where there is no gap it
+    It keeps no map: it does not leave a dead end, and a wide gap that leads back attracts it. Without a gap it
     turns on the spot, to the side that it turned to before.
 
     References

@@ -89,7 +89,7 @@ def once_around(world: Map, state: State) -> Map:
     Raises
     ------
     ValueError
-        One of the two sides has no wall: there is no corridor to go around.
+        One of the two sides has no wall: the map is not a corridor to go around.
     """
     ahead = np.array([math.cos(state.yaw_rad), math.sin(state.yaw_rad)])
     left = np.array([-ahead[1], ahead[0]])

@@ -35,7 +35,7 @@ class Lidar(SingleRate):
     The lidar is above the robot's centre. Its beams are level, spread evenly over ``lidar_fov_deg`` about forward, the
     first and the last at the ends, and measure to the first wall or obstacle, moving or not, that is as high as they
     are. All are measured at the stamp of the frame, ``rate_hz`` times a second. A range has normally distributed noise;
-    one that is below ``lidar_min_m`` with it is ``lidar_min_m``, and beyond ``lidar_max_m`` there is no echo.
+    one that is below ``lidar_min_m`` with it is ``lidar_min_m``, and one beyond ``lidar_max_m`` is infinite.
 
     Without a stage or an output that reads image or truth the camera is not rendered, which saves most of the time.
 

@@ -11,9 +11,11 @@ import threading
 import pytest
 
 ASK = (
-    "from graphnav.core.machine.terminal_graphics import TerminalGraphics; import os; "
-    "os.write({fd}, repr(TerminalGraphics.query()).encode())"
+    "from graphnav.core.machine import terminal_graphics as asking; import os; asking._TIMEOUT_S = {patience_s}; "
+    "os.write({fd}, repr(asking.TerminalGraphics.query()).encode())"
 )
+PATIENCE_S = 30.0
+"""With a terminal that answers: the tests beside this one may take all processors for a while."""
 
 
 class PlayedTerminal:
@@ -21,7 +23,7 @@ class PlayedTerminal:
 
     def __init__(self, answers: dict[bytes, bytes]) -> None:
         self.seen = b""
-        self._answers = answers
+        self.answers = answers
         self.ours, self.theirs = pty.openpty()
         threading.Thread(target=self._play, daemon=True).start()
 
@@ -32,7 +34,7 @@ class PlayedTerminal:
             except OSError:
                 return
             self.seen += read
-            for question, answer in self._answers.items():
+            for question, answer in self.answers.items():
                 if question in read:
                     os.write(self.ours, answer)
 
@@ -45,9 +47,10 @@ class PlayedTerminal:
 def asked(terminal: PlayedTerminal, **environment: str) -> str:
     """Return what a program in the terminal finds out."""
     read_end, write_end = os.pipe()
+    patience_s = PATIENCE_S if terminal.answers else 0.5
     env = {name: value for name, value in os.environ.items() if name not in {"TMUX", "STY"}}
     subprocess.run(
-        ["setsid", "--ctty", sys.executable, "-c", ASK.format(fd=write_end)],
+        ["setsid", "--ctty", sys.executable, "-c", ASK.format(fd=write_end, patience_s=patience_s)],
         stdin=terminal.theirs,
         stdout=terminal.theirs,
         env={**env, "TERM": "xterm-256color", **environment},

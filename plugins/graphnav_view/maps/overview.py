@@ -194,8 +194,9 @@ def _legend(figure: Figure, scene: Scene, track: Track) -> None:
         if (area := shown.get(role)) is not None:
             fill = (area.colour, area.opacity_ratio)
             keys.append(Patch(facecolor=fill, edgecolor=fill if role == "goal" else EDGE, lw=0.5, label=label))
+    body = "o" if scene.robot is None else "s"
     keys.append(
-        Line2D([], [], ls="", marker="o", ms=10, mfc="white", mec=style.ROBOT, mew=1.6, label="robot at the end")
+        Line2D([], [], ls="", marker=body, ms=10, mfc="white", mec=style.ROBOT, mew=1.6, label="robot at the end")
     )
     if track.last.contact:
         keys.append(Line2D([], [], ls="", marker="X", ms=11, color=style.CONTACT, mec="white", label="contact"))

@@ -11,8 +11,8 @@ import numpy as np
 from graphnav.arrays import Bools
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
-from graphnav_world.maps.barn_keys import N_WORLDS, BarnKeys
 from graphnav_world.maps.corridor import Corridor
+from graphnav_world.maps.corridor_keys import N_WORLDS, BarnKeys
 from graphnav_world.maps.draws import Draws
 
 CYLINDERS = Path(__file__).with_name("barn_cylinders.npz")

@@ -12,10 +12,9 @@ from graphnav import Place, did_you_mean
 from graphnav.arrays import Doubles
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.barn import draw_barn
-from graphnav_world.maps.barn_keys import BarnKeys
 from graphnav_world.maps.body_keys import Obstacle, Pillars, Wall
 from graphnav_world.maps.corridor import Corridor, draw_corridor
-from graphnav_world.maps.corridor_keys import Walled
+from graphnav_world.maps.corridor_keys import BarnKeys, Walled
 from graphnav_world.maps.draws import Draws
 from graphnav_world.maps.map_bodies import draw_obstacle, draw_wall
 from graphnav_world.maps.map_keys import MapKeys, PassageKeys, TextureKeys, View

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from graphnav import Range, Record, key
-from graphnav_world.maps.barn_keys import BarnKeys
 from graphnav_world.maps.body_keys import Obstacle, Pillars, Region, Wall
-from graphnav_world.maps.corridor_keys import CorridorKeys, RingKeys, ZigzagKeys
+from graphnav_world.maps.corridor_keys import BarnKeys, CorridorKeys, RingKeys, ZigzagKeys
 from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Point
 
 MAX_GRAY = 1000.0

@@ -78,7 +78,7 @@ def seeds_words(seeds: str | Sequence[int]) -> str:
 
 def bare_number(word: str, place: Place | None = None) -> UserError:
     """Return the error for a number alone, which may mean a world or how many."""
-    hint = f"write 0:{word} for {word} worlds, or [{word}] for that one"
+    hint = f"write 0:{word} for {word} world{'s' if word != '1' else ''}, or [{word}] for that one"
     return UserError.of(f"'{word}' may be one seed or a number of worlds", hint, place)
 
 
