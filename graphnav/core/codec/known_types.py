@@ -64,7 +64,7 @@ def message_types() -> dict[str, type[Message]]:
 
 
 def type_named(name: str) -> type | None:
-    """Return the lcm-gen class of ``package.type_t``, None if it is not installed."""
+    """Return the lcm-gen class of ``package.type_t``, None if it is not installed; `type_of` then knows it too."""
     for found in message_classes():
         if lcm_name(found.lcm_class) == name:
             return found.lcm_class
@@ -74,7 +74,11 @@ def type_named(name: str) -> type | None:
     if not all(part.isidentifier() for part in name.split(".")) or not _is_lcm_module(package, short):
         return None
     lcm_class = getattr(importlib.import_module(package), short, None)
-    return lcm_class if isinstance(lcm_class, type) and hasattr(lcm_class, "__typenames__") else None
+    if not isinstance(lcm_class, type) or not hasattr(lcm_class, "__typenames__"):
+        return None
+    if hasattr(lcm_class, "_get_packed_fingerprint"):  # else it has the name of one, and lcm-gen did not make it
+        add_type(name, lcm_class)
+    return lcm_class
 
 
 def _is_lcm_module(package: str, short: str) -> bool:
