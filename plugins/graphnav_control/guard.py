@@ -34,6 +34,8 @@ REST_MPS = 1e-9
 """Speeds up to this are not forward: the cosine of a right angle is not exactly 0."""
 MIN_MOVED = 2
 """Flows that move before a picture that was frozen is trusted again."""
+WITHHELD_S = 0.1
+"""Beyond ``max_age_s``, how long the motors may have taken nothing before the run withholds the commands."""
 REPEAT_US = 1_000_000
 """A message that arms the guard is one order with those that came less than this before: a heartbeat is not many."""
 
@@ -224,6 +226,9 @@ class Guard(Stage):
         may_move, may_advance, wanted = self._allowed(command if driver is None else driver, driver, stops, causes)
         self._last = self._limited(wanted, elapsed_s)
         self._before, self._was_driven = utime, driver is not None
+        if command is None and driver is None:
+            self._sent.withdraw(utime - round(1e6 * (self.max_age_s + WITHHELD_S)))
+            self._shown.restart()
         self._sent.add(utime, self._last)
         causes = stops + causes
         is_latched = self._picture.is_latched or self._odometry.is_latched

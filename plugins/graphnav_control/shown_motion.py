@@ -48,6 +48,12 @@ class SentCommands:
         while len(self._sent) > 2 and self._sent[1].utime <= utime - 2 * SETTLE_US - MAX_SUM_US:
             self._sent.popleft()
 
+    def withdraw(self, since: int) -> None:
+        """Count what was sent from a time on as standstill: the base did not get it."""
+        while self._sent and self._sent[-1].utime >= since:
+            self._sent.pop()
+        self._sent.append(Sent(since, Twist(v_mps=0.0, omega_radps=0.0)))
+
     def moved(self, begin: int, end: int) -> bool:
         """Return whether any command that held within an interval moved the robot."""
         ends = [*(one.utime for one in self._sent), end][1:]

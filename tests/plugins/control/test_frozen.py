@@ -63,7 +63,9 @@ class Robot:
     def press(self, *, engaged: bool) -> None:
         self._stop = Latest(Stop(engaged=engaged), 0.01)
 
-    def fire(self, command: Twist = AHEAD, override: Twist | None = None, shown: Twist | None = None) -> GuardOutputs:
+    def fire(
+        self, command: Twist | None = AHEAD, override: Twist | None = None, shown: Twist | None = None
+    ) -> GuardOutputs:
         """Go on to the next firing; ``shown``: how the picture moves, if not as the robot."""
         self.utime += GUARD_US
         if self.utime // self.period_us > self.frames:
@@ -85,7 +87,7 @@ class Robot:
         self.way_m += abs(self._last.v_mps) * GUARD_US * 1e-6
         return outputs
 
-    def run(self, seconds: float, command: Twist = AHEAD, **inputs: Any) -> list[GuardOutputs]:
+    def run(self, seconds: float, command: Twist | None = AHEAD, **inputs: Any) -> list[GuardOutputs]:
         return [self.fire(command, **inputs) for _ in range(round(seconds * 1e6 / GUARD_US))]
 
     def _picture(self, speed: Twist) -> None:
@@ -308,6 +310,18 @@ def test_a_base_gets_half_a_second_to_begin() -> None:
     still = Twist(v_mps=0.0, omega_radps=0.0)
     assert not any(found(robot.run(0.8, shown=still)))
     assert found(robot.run(0.5, shown=still))[-1] == ("frozen",)
+
+
+def test_motors_that_take_nothing_again_and_again_are_not_a_frozen_picture() -> None:
+    robot, still = Robot(), Twist(v_mps=0.0, omega_radps=0.0)
+    causes = found(robot.run(3.0))
+    for _ in range(8):
+        # The run withholds the commands 0.55 s after the motors have taken the last one.
+        causes += found(robot.run(0.5, command=None, shown=still)) + found(robot.run(0.6, shown=still))
+    assert not any("frozen" in found for found in causes)
+    robot.run(0.5, command=None, shown=still)
+    robot.is_frozen = True
+    assert ("frozen",) in found(robot.run(1.5))
 
 
 def test_zero_pixels_judge_nothing() -> None:
