@@ -63,9 +63,11 @@ class Guard(Stage):
     ``flow`` is below ``frozen_px`` where three times as much is predicted: by ``motion``, which has to come from
     odometry, else by the commands that the guard sent, which a base follows within half a second. Flows of slow motions
     are added up. Odometry that stands as the picture does, against commands of 0.1 m and more in 2 s, is not believed.
-    A picture that only repeats is not frozen, since a robot that stands sees the same picture; a plane is not fresh
-    evidence, since it is made of the same picture. And it stands where ``odometry``, as `odometry.motion` checks it,
-    contradicts the picture ("jump", "turn_jump", "motionless", "reversed", "scale").
+    A command that is withheld, as live where the motors take nothing, is not evidence: what was sent since they took the
+    last one counts as standstill, and the judgement starts again. A picture that only repeats is not frozen, since a
+    robot that stands sees the same picture; a plane is not fresh evidence, since it is made of the same picture. And it
+    stands where ``odometry``, as `odometry.motion` checks it, contradicts the picture ("jump", "turn_jump",
+    "motionless", "reversed", "scale").
 
     Both hold the robot beyond the evidence, which is gone when it stands. After a second it retries once, slowly and
     ``retry_m`` at most, and drives on if the input now follows its motion. If not, or if odometry has not agreed with
