@@ -63,7 +63,7 @@ class Guard(Stage):
     ``flow`` is below ``frozen_px`` where three times as much is predicted: by ``motion``, which has to come from
     odometry, else by the commands that the guard sent, which a base follows within half a second. Flows of slow motions
     are added up. Odometry that stands as the picture does, against commands of 0.1 m and more in 2 s, is not believed.
-    A command that is withheld, as live where the motors take nothing, is not evidence: what was sent since they took the
+    A command that is withheld, as live where motors take nothing, is not evidence: what was sent since they took the
     last one counts as standstill, and the judgement starts again. A picture that only repeats is not frozen, since a
     robot that stands sees the same picture; a plane is not fresh evidence, since it is made of the same picture. And it
     stands where ``odometry``, as `odometry.motion` checks it, contradicts the picture ("jump", "turn_jump",
