@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
+import pty
 import shlex
 import shutil
 import signal
+import struct
 import subprocess
 import sysconfig
+import termios
+import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
-from testbed.terminal import Terminal
+from testbed.terminal import PATIENCE_S, Terminal
 
 from .spy_app import publishing
 
@@ -92,6 +99,46 @@ def test_a_signal_leaves_the_terminal_as_it_was(
     os.kill(int((tmp_path / "pid").read_text()), number)
     one.wait_for(lambda shown: f"status {128 + number}" in shown)
     assert one.tmux("display-message", "-p", MODES) == "0 0\n"
+
+
+@contextmanager
+def spy_on_a_pty(group: str) -> Iterator[tuple[int, int, subprocess.Popen[bytes]]]:
+    """Run the spy without SIGHUP on a terminal until it shows a channel; yield the terminal's two ends and the spy."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, 200, 0, 0))
+    environment = os.environ | {"TERM": "xterm-256color"}
+    command = ["sh", "-c", f"trap '' HUP; exec {TYPED} spy '{group}'"]
+    streams: dict[str, Any] = {"stdin": theirs, "stdout": theirs, "stderr": theirs}
+    with (
+        publishing(group, "robot.image", "control.twist"),
+        subprocess.Popen(command, env=environment, start_new_session=True, **streams) as spy,
+    ):
+        try:
+            shown = b""
+            while b"control.twist" not in shown:
+                shown += os.read(ours, 65536)
+            yield ours, theirs, spy
+        finally:
+            spy.kill()
+            os.close(theirs)
+
+
+def test_a_terminal_that_is_closed_leaves_no_spy_behind(group: str) -> None:
+    with spy_on_a_pty(group) as (ours, _, spy):
+        os.close(ours)
+        spy.wait(PATIENCE_S)
+
+
+def test_a_second_signal_ends_a_spy_whose_terminal_takes_nothing(group: str) -> None:
+    with spy_on_a_pty(group) as (ours, theirs, spy):
+        termios.tcflow(theirs, termios.TCOOFF)
+        os.write(ours, b"sS" * 200)
+        time.sleep(2)  # then the queue of pending writes is full
+        for _ in range(2):
+            spy.terminate()
+            time.sleep(0.2)
+        assert spy.wait(PATIENCE_S) == -signal.SIGTERM
+        os.close(ours)
 
 
 def test_a_dumb_terminal_gets_the_plain_list(group: str, terminal: Callable[..., Terminal]) -> None:

@@ -8,6 +8,7 @@ import signal
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import FrameType
 from typing import ClassVar
 
 from rich.cells import cell_len, set_cell_size
@@ -30,6 +31,7 @@ from graphnav.watch.spy.screen.painters.painter import Painter
 from graphnav.watch.spy.screen.picture_view import PictureView
 from graphnav.watch.spy.screen.screen_image import screen_image
 from graphnav.watch.spy.screen.session import Session
+from graphnav.watch.spy.screen.terminal_driver import TerminalDriver
 
 _TICK_S = 0.1
 _LIVE_ONLY = {"freeze", "record"}
@@ -79,7 +81,7 @@ class SpyApp(App[None]):
         folder: Path,
         new_painter: Callable[[], Painter] = BlockPainter,
     ) -> None:
-        super().__init__(ansi_color=True)
+        super().__init__(driver_class=TerminalDriver, ansi_color=True)
         self._watch = watch
         self._session = Session(watch, catalog, new_painter)
         self._folder = folder
@@ -186,7 +188,8 @@ def _time() -> str:
 def run_app(app: SpyApp) -> int:
     """Run the app; return the exit status: 0, or 128 + N after signal N.
 
-    After SIGTERM and SIGHUP the terminal is restored. A second signal ends the program immediately.
+    After SIGTERM and SIGHUP the terminal is restored. A second signal ends the program immediately, even where
+    it is blocked by a terminal that takes no more output.
     """
     with plain_ctrl_c():
         asyncio.run(_run(app))
@@ -196,10 +199,13 @@ def run_app(app: SpyApp) -> int:
 async def _run(app: SpyApp) -> None:
     loop = asyncio.get_running_loop()
 
-    def leave(number: signal.Signals) -> None:
-        loop.remove_signal_handler(number)
-        app.leave(128 + number)
+    def leave(number: int, _frame: FrameType | None) -> None:
+        signal.signal(number, signal.SIG_DFL)
+        loop.call_soon_threadsafe(app.leave, 128 + number)
 
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        loop.add_signal_handler(number, leave, number)
-    await app.run_async()
+    before = {number: signal.signal(number, leave) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        await app.run_async()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
