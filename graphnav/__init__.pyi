@@ -86,6 +86,9 @@ from .core.messages import (
     Flow as Flow,
 )
 from .core.messages import (
+    FlowDeviation as FlowDeviation,
+)
+from .core.messages import (
     Goal as Goal,
 )
 from .core.messages import (

@@ -13,9 +13,10 @@ from typing import Any
 
 import lcm
 import numpy as np
+from graphnav_flow.lucas_kanade import FlowOutputs
 from graphnav_lcm import image_t, odometry_t, twist_t
 
-from graphnav import Flow, Image, Latest, Odometry, Since
+from graphnav import Image, Latest, Odometry, Since
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import load_graph
 from graphnav.core.graph.overrides.override import Override
@@ -31,7 +32,7 @@ class Bare:
         self._stages: dict[str, Any] = dict(load_graph(GRAPH, Catalog(), Override.parse_all(sets, [])).make_stages())
         for stage in self._stages.values():
             stage.reset(0)
-        self._seen: tuple[int, Image, Flow] | None = None
+        self._seen: tuple[int, Image, FlowOutputs] | None = None
         self._samples: list[tuple[int, Odometry]] = []
         self._lcm.subscribe("CAMERA", self._see).set_queue_capacity(0)
         self._lcm.subscribe("ODOMETRY", self._count).set_queue_capacity(0)
@@ -44,9 +45,9 @@ class Bare:
     def _see(self, _channel: str, data: bytes) -> None:
         frame = image_t.decode(data)
         image = Image(pixels=np.frombuffer(frame.data, np.uint8).reshape(frame.rows, frame.cols))
-        flow = self._stages["flow"].step(image, frame.utime)
-        if flow is not None:
-            self._seen = frame.utime, image, flow
+        made = self._stages["flow"].step(image, frame.utime)
+        if made is not None:
+            self._seen = frame.utime, image, made
             self._step_when_covered()
 
     def _count(self, _channel: str, data: bytes) -> None:
@@ -60,7 +61,7 @@ class Bare:
     def _step_when_covered(self) -> None:
         if self._seen is None or not self._samples or self._samples[-1][0] < self._seen[0]:
             return
-        (utime, image, flow), self._seen = self._seen, None
+        (utime, image, (flow, deviation)), self._seen = self._seen, None
         stages = self._stages
         since, self._samples = Since(tuple(self._samples)), []
         motion, check = stages["motion"].step(flow, since, utime)
@@ -69,8 +70,9 @@ class Bare:
         planar = stages["planar"].step(flow, motion)
         plane = stages["plane"].step(flow, planar, utime).plane
         nothing: Latest[Any] = Latest(is_connected=False)
-        command = stages["control"].step(stages["steer"].step(plane, nothing, nothing).steering, nothing, utime)
-        sampled = (Latest(message, 0.0) for message in (plane, image, flow, motion, check))
+        steering = stages["steer"].step(plane, nothing, nothing).steering
+        command = stages["control"].step(steering, nothing, utime)
+        sampled = (Latest(message, 0.0) for message in (plane, image, flow, deviation, motion, check))
         guarded = stages["guard"].step(command, *sampled, nothing, nothing, utime, 0.0)
         out = twist_t()
         out.utime, out.v_mps, out.omega_radps = utime, guarded.twist.v_mps, guarded.twist.omega_radps

@@ -23,6 +23,7 @@ from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
 from graphnav_world.world import Pymunk
 from taking_turns import Ratio, Turns, take_turns, timed
+from testbed.flows import flow_from
 
 from graphnav import Finished, Image, Latest, Stage, Stamp, Truth, Twist
 from graphnav.arrays import Bytes
@@ -90,7 +91,7 @@ def endpoint_error_px(stage: Stage, steps: Sequence[Step]) -> float:
     for step in steps:
         stage.reset(0)
         stage.step(step.before, Stamp(0))  # type: ignore[attr-defined]
-        flow = stage.step(step.now, Stamp(PERIOD_US))  # type: ignore[attr-defined]
+        flow = flow_from(stage, step.now, Stamp(PERIOD_US))
         errors.append(np.linalg.norm(flow.uv_px - step.truth.flow_px, axis=-1).mean())
     return float(np.mean(errors))
 

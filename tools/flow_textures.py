@@ -17,6 +17,7 @@ import numpy as np
 from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
+from testbed.flows import flow_from
 
 from graphnav import Image, Stage, Stamp
 from graphnav.arrays import Bytes, Doubles, Floats
@@ -32,9 +33,9 @@ def estimators() -> dict[str, Stage]:
     """Return the compared stages."""
     return {
         "Lucas-Kanade": LucasKanade(),
-        "  normalized": LucasKanade(normalize_sigma_px=4.0),
+        "  always normalized": LucasKanade(light_ratio=0.0),
         "  window of 17 px": LucasKanade(window_radius_px=8),
-        "  both": LucasKanade(normalize_sigma_px=4.0, window_radius_px=8),
+        "  both": LucasKanade(light_ratio=0.0, window_radius_px=8),
         "  two layers": LucasKanade(layers=2),
         "Farneback": Farneback(),
         "Farneback, window of 31 px": Farneback(window_px=31),
@@ -78,7 +79,7 @@ def off_percent(stage: Stage, pairs: Sequence[Pair]) -> float:
     for before, now, true_px in pairs:
         stage.reset(0)
         stage.step(Image(pixels=before), Stamp(0))  # type: ignore[attr-defined]
-        flow = stage.step(Image(pixels=now), Stamp(100_000))  # type: ignore[attr-defined]
+        flow = flow_from(stage, Image(pixels=now), Stamp(100_000))
         off_px = np.linalg.norm(flow.uv_px - true_px, axis=-1)[BORDER_PX:-BORDER_PX, BORDER_PX:-BORDER_PX]
         shares.append(np.mean(off_px > 1))
     return float(100 * np.mean(shares))

@@ -55,14 +55,15 @@ class HandWrittenLoop:
         if robot.map is not None:
             self._map = utime, robot.map
             self._log.write_event(utime, "robot.map", encode(robot.map, utime, 0))
-        flow = self._step("flow", image=inbox["robot.image"][1], stamp=utime)
-        if flow is not None:
-            self._send("flow.flow", flow)
+        made = self._step("flow", image=inbox["robot.image"][1], stamp=utime)
+        if made is not None:
+            self._send("flow.flow", made.flow)
+            self._send("flow.deviation", made.deviation)
             self._navigate(utime)
         if self._has_scores:
             seen, map_ = inbox["robot.state"], Latest(self._map[1], (utime - self._map[0]) / 1e6)
             self._step("drive", state=seen[1], map=map_, stamp=utime)
-            if flow is not None:
+            if made is not None:
                 truth = inbox["robot.truth"][1]
                 self._step("sense", flow=inbox["flow.flow"][1], truth=truth)
                 self._step("sight", plane=inbox["plane.plane"][1], truth=truth)
@@ -92,6 +93,7 @@ class HandWrittenLoop:
             plane=self._newest("plane.plane"),
             image=self._newest("robot.image"),
             flow=self._newest("flow.flow"),
+            deviation=self._newest("flow.deviation"),
             motion=nothing,
             odometry=nothing,
             override=nothing,

@@ -15,7 +15,7 @@ from typing import Any
 import graphnav_lcm as types
 import numpy as np
 
-from graphnav import Flow, Image, Motion, Planar, Plane, State, Steering, Truth, Twist
+from graphnav import Flow, FlowDeviation, Image, Motion, Planar, Plane, State, Steering, Truth, Twist
 
 Put = Callable[[int, int, Any], bytes]
 Take = Callable[[bytes], tuple[int, Any]]
@@ -48,6 +48,7 @@ IMAGE_ID, MOTION_ID, STATE_ID, TRUTH_ID, GOAL_ID, FLOW_ID, PLANAR_ID, PLANE_ID, 
     )
 )
 TWIST_ID = types.twist_t._get_packed_fingerprint()  # noqa: SLF001
+FLOW_DEVIATION_ID = types.flow_deviation_t._get_packed_fingerprint()  # noqa: SLF001
 GUARD_STATE_ID = types.guard_state_t._get_packed_fingerprint()  # noqa: SLF001
 
 
@@ -166,6 +167,19 @@ def take_flow(data: bytes) -> tuple[int, Any]:
     return utime, Flow(uv_px, octets(data, FLOW.size + 8 * rows * cols, rows, cols), interval_us, step_px)
 
 
+def put_flow_deviation(utime: int, seq: int, m: Any) -> bytes:
+    """Encode how far the vectors of a flow are likely to be off."""
+    check_array(m.deviation_px)
+    rows, cols = m.deviation_px.shape
+    return POTENTIAL.pack(FLOW_DEVIATION_ID, utime, seq, m.step_px, rows, cols) + wire(m.deviation_px)
+
+
+def take_flow_deviation(data: bytes) -> tuple[int, Any]:
+    """Decode how far the vectors of a flow are likely to be off."""
+    _, utime, _, step_px, rows, cols = POTENTIAL.unpack_from(data)
+    return utime, FlowDeviation(floats(data, POTENTIAL.size, rows, cols), step_px)
+
+
 def put_planar(utime: int, seq: int, m: Any) -> bytes:
     """Encode a planar flow."""
     check_array(m.planar_uv_px)
@@ -257,6 +271,7 @@ PUT: dict[str, Put] = {
     "robot.truth": put_truth,
     "robot.goal": put_goal,
     "flow.flow": put_flow,
+    "flow.deviation": put_flow_deviation,
     "planar.planar": put_planar,
     "plane.plane": put_plane,
     "steer.steering": put_steering,
@@ -273,6 +288,7 @@ TAKE: dict[str, Take] = {
     "robot.state": take_state,
     "robot.truth": take_truth,
     "flow.flow": take_flow,
+    "flow.deviation": take_flow_deviation,
     "planar.planar": take_planar,
     "plane.plane": take_plane,
     "steer.steering": take_steering,

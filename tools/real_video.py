@@ -26,6 +26,7 @@ from graphnav_plane.affine import Affine
 from graphnav_plane.homography import Homography
 from graphnav_plane.row_prior import RowPrior
 from scipy.stats import rankdata
+from testbed.flows import flow_from
 
 from graphnav import Flow, Image, Plane, Stage, Stamp, coarsen
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
@@ -57,10 +58,10 @@ def flows(layers: int) -> dict[str, Stage]:
     """Return the compared estimators."""
     usual: dict[str, Any] = {"min_texture_gray2": MIN_TEXTURE_GRAY2}
     return {
-        "Lucas-Kanade": LucasKanade(layers=layers, **usual),
-        "Lucas-Kanade, normalized": LucasKanade(layers=layers, normalize_sigma_px=4.0, **usual),
-        "  and checked backward": LucasKanade(layers=layers, normalize_sigma_px=4.0, max_disagreement_px=1.0, **usual),
-        "  window of 17 px": LucasKanade(layers=layers, normalize_sigma_px=4.0, window_radius_px=8, **usual),
+        "Lucas-Kanade": LucasKanade(layers=layers, normalize_sigma_px=None, **usual),
+        "Lucas-Kanade, normalized": LucasKanade(layers=layers, light_ratio=0.0, **usual),
+        "  and checked backward": LucasKanade(layers=layers, light_ratio=0.0, max_disagreement_px=1.0, **usual),
+        "  window of 17 px": LucasKanade(layers=layers, light_ratio=0.0, window_radius_px=8, **usual),
         "DIS": Dis(**usual),
         "Farneback": Farneback(layers=layers, **usual),
         "Farneback, window of 31 px": Farneback(layers=layers, window_px=31, **usual),
@@ -112,7 +113,7 @@ def judged(case: Labelled, stage: Stage, detector: Stage, row: int) -> tuple[Pla
     detector.reset(0)
     for k, picture in enumerate(case.frames):
         stamp = Stamp(k * PERIOD_US)
-        flow = stage.step(Image(pixels=np.ascontiguousarray(picture[row:])), stamp)  # type: ignore[attr-defined]
+        flow = flow_from(stage, Image(pixels=np.ascontiguousarray(picture[row:])), stamp)
         if flow is not None:
             given = (flow,) if isinstance(detector, RowPrior) else (flow, stamp)
             plane = detector.step(*given)  # type: ignore[attr-defined]

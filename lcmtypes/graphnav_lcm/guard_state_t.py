@@ -40,8 +40,8 @@ class guard_state_t(object):
 
         self.stopped = False
         """
-        Whether a stop was requested, or a frozen picture or faulty odometry holds the robot for good, and the guard was
-        not armed again since.
+        Whether a stop was requested, or a frozen picture, faulty odometry or flow that was not known again and again
+        holds the robot for good, and the guard was not armed again since.
         LCM Type: boolean
         """
 
@@ -53,7 +53,7 @@ class guard_state_t(object):
 
         self.causes = []
         """
-        waiting, stale, fault, blind, unknown, obstacle, frozen, stop; those of odometry_check_t
+        waiting, stale, fault, blind, unknown, confused, obstacle, frozen, stop; those of odometry_check_t
         LCM Type: string[n_causes]
         """
 
@@ -66,7 +66,7 @@ class guard_state_t(object):
         self.values = []
         """
         The measured value and its limit: seconds for waiting and stale; for blind a ratio (of a plane) or gray levels
-        (of an image), for unknown and obstacle a ratio, for frozen pixels, for faults of odometry those of
+        (of an image), for unknown, confused and obstacle a ratio, for frozen pixels, for faults of odometry those of
         odometry_check_t, else 0.
         LCM Type: double[n_causes]
         """

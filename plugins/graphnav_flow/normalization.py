@@ -11,8 +11,8 @@ from graphnav.arrays import Floats
 
 CONTRAST_GRAY = 40.0
 """Local standard deviation of the result: that of a well-textured floor, so that units of gray keep their meaning."""
-_FLOOR_GRAY = 4.0
-"""Added to the local contrast, as a root of squares, before it divides: twice the noise of an ordinary camera."""
+_FLOOR_GRAY = 0.5
+"""Added to both contrasts, as a root of squares, before they divide: the rounding of gray levels, and a little more."""
 _MIN_SIGMA_PX = 2.0
 _RESAMPLING_PX2 = 2.0
 """Variance of the binomial filters of pyrDown and pyrUp together, in pixels of the larger image."""
@@ -26,11 +26,14 @@ class Normalization:
 
     With means under a Gaussian window::
 
-        d = I - mean(I)        I' = 40 d / sqrt(mean(d^2) + 4^2)
+        d = I - mean(I)        I' = 40 d / sqrt(mean(d^2) + c^2)
 
-    I' does not change with the brightness of a light, an exposure or a vignette that varies slowly in the picture. Each
-    layer is normalized by itself, with a window of ``sigma_px`` of its own pixels: normalizing the base alone would
-    remove what the coarse layers consist of, and large displacements with it.
+    c is the contrast of the entire picture, the root mean square of d on the base. I' does not change with the
+    brightness of a light or an exposure, and little with a vignette that varies slowly in the picture. With c, a region
+    of low contrast stays one, and its noise noise; and so does a layer: a floor that repeats is nearly blank on the
+    layers that do not resolve it, where what is left moves in any direction. Each layer has its own mean, with a window
+    of ``sigma_px`` of its own pixels: that of the base would remove what the coarse layers consist of, and large
+    displacements with it.
     Windows are applied at half the resolution, which takes a fifth of the time.
 
     Parameters
@@ -51,6 +54,7 @@ class Normalization:
 
     def normalize(self, layers: Sequence[Floats]) -> None:
         """Overwrite each of ``layers``, float32 (rows, cols)."""
+        floor_gray2 = 0.0
         for layer, (large, small) in zip(layers, self._buffers, strict=True):
             size = layer.shape[::-1]
             self._window(layer, small)
@@ -58,7 +62,8 @@ class Normalization:
             np.subtract(layer, large, layer)
             np.multiply(layer, layer, large)
             self._window(large, small)
-            np.add(small, _FLOOR_GRAY**2, small)
+            floor_gray2 = floor_gray2 or float(small.mean()) + _FLOOR_GRAY**2
+            np.add(small, np.float32(floor_gray2), small)
             np.sqrt(small, small)
             np.divide(CONTRAST_GRAY, small, small)
             cv2.pyrUp(small, large, size)

@@ -36,6 +36,11 @@ class Pyramid:
         for larger, smaller in zip(self.layers, self.layers[1:], strict=False):
             cv2.pyrDown(larger, smaller)
 
+    def copy(self, other: Pyramid) -> None:
+        """Take over the layers of a pyramid of the same size."""
+        for own, layer in zip(self.layers, other.layers, strict=True):
+            own[...] = layer
+
 
 class Doubling:
     """Doubles images of one size; reuses its buffers.

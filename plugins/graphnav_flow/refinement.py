@@ -85,6 +85,24 @@ class Refinement:
             self._decompose()
         self._correct()
 
+    def statistics(self, every: int) -> tuple[Floats, Floats, Floats]:
+        """Return what the last correction leaves, at one pixel in ``every`` each way, three float32 (rows, cols).
+
+        The mean squared difference between both images in the window, and half the sum and half the difference of the
+        structure tensor's eigenvalues without the regularization. Only until the next call of `improve`.
+        """
+        at = np.s_[::every, ::every]
+        np.multiply(self._warped, self._warped, self._total)
+        cv2.sepFilter2D(self._total, -1, self._kernel, self._kernel, self._total, (-1, -1), 0.0, cv2.BORDER_CONSTANT)
+        uu, vv, uv, ud, vd = (one[at].copy() for one in self._sums)
+        du, dv = self._step[:, *at].copy()
+        left: Floats = self._total[at] - ud * du - vd * dv
+        # Undo `_decompose`.
+        vv = vv - uv * self._ratio[at]
+        half: Floats = (uu + vv) / 2 - np.float32(self._regularization_gray2)
+        apart: Floats = np.hypot((uu - vv) / 2, uv)
+        return left, half, apart
+
     def _warp(self, target: Floats, source: Floats) -> None:
         cv2.addWeighted(self._field_lines, -self._zoom, self._places, 1.0, 0.0, self._map)
         np.add(target, _ZERO, self._warped)

@@ -16,7 +16,17 @@ from graphnav.core.messages.robot import (
 )
 from graphnav.core.messages.run import About, Fired, Gap, Status
 from graphnav.core.messages.scan import Scan
-from graphnav.core.messages.vision import Components, Flow, Image, Planar, PlanarModel, Plane, Potential, Truth
+from graphnav.core.messages.vision import (
+    Components,
+    Flow,
+    FlowDeviation,
+    Image,
+    Planar,
+    PlanarModel,
+    Plane,
+    Potential,
+    Truth,
+)
 
 __all__ = [
     "ZERO_MEANS",
@@ -25,6 +35,7 @@ __all__ = [
     "FieldError",
     "Fired",
     "Flow",
+    "FlowDeviation",
     "Gap",
     "Goal",
     "GuardState",

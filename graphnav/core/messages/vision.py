@@ -69,6 +69,31 @@ class Flow(Message, lcm=graphnav_lcm.flow_t, grid=("uv_px", "valid")):
     step_px: int = 1
 
 
+class FlowDeviation(Message, lcm=graphnav_lcm.flow_deviation_t, grid=("deviation_px",)):
+    """How far the vectors of a flow are likely to be off, by the pictures alone.
+
+    ``deviation_px``: float32 (rows, cols), the predicted root mean square length of the error, pixels per frame.
+    """
+
+    deviation_px: Floats
+    step_px: int = 1
+
+    def at(self, shape: tuple[int, ...], step_px: int) -> Floats:
+        """Return the deviation at the middle of every cell of another grid of the same picture, (rows, cols)."""
+        own = self.deviation_px.shape
+        rows, cols = (
+            np.minimum((2 * np.arange(n) + 1) * step_px // (2 * self.step_px), m - 1)
+            for n, m in zip(shape, own, strict=True)
+        )
+        return self.deviation_px if own == shape and step_px == self.step_px else self.deviation_px[np.ix_(rows, cols)]
+
+    def known_ratio(self, max_px: float, rim_ratio: float) -> float:
+        """Return the share of the picture inside the rim of `Plane.unknown` where it is at most ``max_px``, 0 to 1."""
+        rows, cols = _inside_rim(self.deviation_px.shape, rim_ratio)
+        inner = self.deviation_px[rows, cols]
+        return int(np.count_nonzero(inner <= max_px)) / max(inner.size, 1)
+
+
 class Planar(Message, lcm=graphnav_lcm.planar_t, grid=("planar_uv_px", "planar_valid", "residual_px")):
     """The flow that an obstacle-free ground would give for the motion of this frame.
 

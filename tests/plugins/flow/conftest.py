@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -65,12 +66,17 @@ class Pair:
         inside = (x >= 0) & (x <= cols - 1) & (y >= 0) & (y <= rows - 1)
         return cls(before_gray, now_gray, flow_px, inside)
 
-    def estimate(self, stage: Stage) -> Flow:
-        """Return what ``stage`` makes of the two frames after a reset."""
+    def made(self, stage: Stage) -> Any:
+        """Return the output that ``stage`` makes of the two frames after a reset."""
         stage.reset(0)
         step = stage.step  # type: ignore[attr-defined]
         assert step(Image(pixels=self.before), Stamp(0)) is None
-        flow = step(Image(pixels=self.now), Stamp(INTERVAL_US))
+        return step(Image(pixels=self.now), Stamp(INTERVAL_US))
+
+    def estimate(self, stage: Stage) -> Flow:
+        """Return the flow that ``stage`` makes of the two frames after a reset."""
+        made = self.made(stage)
+        flow = getattr(made, "flow", made)
         assert isinstance(flow, Flow)
         return flow
 

@@ -12,6 +12,7 @@ from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
 from graphnav_flow.plain_lucas_kanade import PlainLucasKanade
+from testbed.flows import flow_from
 
 from graphnav import Image, Stage, Stamp
 
@@ -34,8 +35,8 @@ def noise_image(shape: tuple[int, ...], seed: int = 0) -> Image:
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_the_first_image_gives_no_flow_and_the_second_covers_the_time_between(estimator: type[Stage]) -> None:
     stage = started(estimator)
-    assert stage.step(noise_image((60, 80)), Stamp(1_000_000)) is None
-    flow = stage.step(noise_image((60, 80)), Stamp(1_050_000))
+    assert flow_from(stage, noise_image((60, 80)), Stamp(1_000_000)) is None
+    flow = flow_from(stage, noise_image((60, 80)), Stamp(1_050_000))
     assert flow.interval_us == 50_000
     assert flow.step_px == 1
     assert flow.uv_px.shape == (60, 80, 2)
@@ -63,10 +64,10 @@ def test_after_a_gap_and_after_a_stamp_that_does_not_advance_flow_restarts(
 ) -> None:
     pair, stage = warped_pair(lambda x, y: (x + 1.3, y)), started(estimator)
     for frame in range(4):
-        stage.step(noise_image((120, 160), frame), Stamp(100_000 * frame))
+        flow_from(stage, noise_image((120, 160), frame), Stamp(100_000 * frame))
     after_us = 300_000 + gap_us
-    assert stage.step(Image(pixels=pair.before), Stamp(after_us)) is None
-    flow = stage.step(Image(pixels=pair.now), Stamp(after_us + 100_000))
+    assert flow_from(stage, Image(pixels=pair.before), Stamp(after_us)) is None
+    flow = flow_from(stage, Image(pixels=pair.now), Stamp(after_us + 100_000))
     assert flow.interval_us == 100_000
     assert np.array_equal(flow.uv_px, pair.estimate(started(estimator)).uv_px)
 
@@ -75,25 +76,25 @@ def test_after_a_gap_and_after_a_stamp_that_does_not_advance_flow_restarts(
 def test_flow_goes_on_over_a_frame_or_two_that_were_lost(estimator: type[Stage]) -> None:
     stage = started(estimator)
     for frame in range(4):
-        stage.step(noise_image((60, 80), frame), Stamp(100_000 * frame))
-    assert stage.step(noise_image((60, 80)), Stamp(600_000)).interval_us == 300_000
+        flow_from(stage, noise_image((60, 80), frame), Stamp(100_000 * frame))
+    assert flow_from(stage, noise_image((60, 80)), Stamp(600_000)).interval_us == 300_000
 
 
 def test_only_the_last_two_images_matter(warped_pair: Callable[..., Pair]) -> None:
     pair = warped_pair(lambda x, y: (x + 1.3, y))
     stage = started(LucasKanade)
     for stamp, image in enumerate([noise_image((120, 160)), noise_image((120, 160), 1), Image(pixels=pair.before)]):
-        stage.step(image, Stamp(stamp))
-    flow = stage.step(Image(pixels=pair.now), Stamp(3))
+        flow_from(stage, image, Stamp(stamp))
+    flow = flow_from(stage, Image(pixels=pair.now), Stamp(3))
     assert np.array_equal(flow.uv_px, pair.estimate(LucasKanade()).uv_px)
 
 
 def test_a_published_flow_is_not_written_again(warped_pair: Callable[..., Pair]) -> None:
     pair, stage = warped_pair(lambda x, y: (x + 1.3, y)), started(LucasKanade)
-    stage.step(Image(pixels=pair.before), Stamp(0))
-    flow = stage.step(Image(pixels=pair.now), Stamp(1))
+    flow_from(stage, Image(pixels=pair.before), Stamp(0))
+    flow = flow_from(stage, Image(pixels=pair.now), Stamp(1))
     uv_px, valid = flow.uv_px.copy(), flow.valid.copy()
-    stage.step(noise_image((120, 160)), Stamp(2))
+    flow_from(stage, noise_image((120, 160)), Stamp(2))
     assert np.array_equal(flow.uv_px, uv_px)
     assert np.array_equal(flow.valid, valid)
 
@@ -105,16 +106,16 @@ def test_received_images_are_read_only_and_stay_as_they_are(estimator: type[Stag
         image = noise_image((60, 80), stamp)
         kept = image.pixels.copy()
         image.pixels.flags.writeable = False
-        stage.step(image, Stamp(stamp))
+        flow_from(stage, image, Stamp(stamp))
         assert np.array_equal(image.pixels, kept)
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_a_change_of_size_is_refused(estimator: type[Stage]) -> None:
     stage = started(estimator)
-    stage.step(noise_image((60, 80)), Stamp(0))
+    flow_from(stage, noise_image((60, 80)), Stamp(0))
     with pytest.raises(ValueError, match=r"^the image is 90x60, but the ones before were 80x60$"):
-        stage.step(noise_image((60, 90)), Stamp(1))
+        flow_from(stage, noise_image((60, 90)), Stamp(1))
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
@@ -122,7 +123,7 @@ def test_colour_is_reduced_to_brightness(estimator: type[Stage], warped_pair: Ca
     pair = warped_pair(lambda x, y: (x + 1.3, y))
     stage = started(estimator)
     for stamp, gray in enumerate((pair.before, pair.now)):
-        flow = stage.step(Image(pixels=cv2.cvtColor(gray, cv2.COLOR_GRAY2RGB)), Stamp(stamp))
+        flow = flow_from(stage, Image(pixels=cv2.cvtColor(gray, cv2.COLOR_GRAY2RGB)), Stamp(stamp))
     assert np.abs(flow.uv_px - pair.estimate(estimator()).uv_px).max() < 1e-3
 
 
@@ -130,8 +131,8 @@ def test_colour_is_reduced_to_brightness(estimator: type[Stage], warped_pair: Ca
 @pytest.mark.parametrize("gray", [0, 100, 255])
 def test_a_flat_image_gives_finite_flow_that_is_nowhere_valid(estimator: type[Stage], gray: int) -> None:
     stage, image = started(estimator), Image(pixels=np.full((60, 80), gray, np.uint8))
-    stage.step(image, Stamp(0))
-    flow = stage.step(image, Stamp(1))
+    flow_from(stage, image, Stamp(0))
+    flow = flow_from(stage, image, Stamp(1))
     assert np.isfinite(flow.uv_px).all()
     assert not flow.valid.any()
 
@@ -140,7 +141,7 @@ def test_noise_without_texture_is_not_valid() -> None:
     rng, stage = np.random.default_rng(3), started(LucasKanade)
     for stamp in range(2):
         pixels = np.rint(128 + 2 * rng.standard_normal((120, 160))).astype(np.uint8)
-        flow = stage.step(Image(pixels=pixels), Stamp(stamp))
+        flow = flow_from(stage, Image(pixels=pixels), Stamp(stamp))
     assert flow.valid.mean() < 0.01
 
 
@@ -148,15 +149,15 @@ def test_stripes_have_texture_in_one_direction_only_and_are_not_valid() -> None:
     stage = started(LucasKanade)
     for stamp in range(2):
         row = 128 + 60 * np.sin(np.arange(160) / 3 + stamp / 2)
-        flow = stage.step(Image(pixels=np.tile(row.astype(np.uint8), (120, 1))), Stamp(stamp))
+        flow = flow_from(stage, Image(pixels=np.tile(row.astype(np.uint8), (120, 1))), Stamp(stamp))
     assert not flow.valid.any()
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (3, 5), (8, 8), (9, 7), (16, 16), (17, 40), (8, 200), (119, 161)])
 def test_any_size_has_a_finite_flow(shape: tuple[int, int]) -> None:
     stage = started(LucasKanade)
-    stage.step(noise_image(shape, 0), Stamp(0))
-    flow = stage.step(noise_image(shape, 1), Stamp(1))
+    flow_from(stage, noise_image(shape, 0), Stamp(0))
+    flow = flow_from(stage, noise_image(shape, 1), Stamp(1))
     assert flow.uv_px.shape == (*shape, 2)
     assert flow.valid.shape == shape
     assert np.isfinite(flow.uv_px).all()

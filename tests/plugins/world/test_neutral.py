@@ -121,9 +121,10 @@ def _endpoint_errors_px(map_file: Path, *, neutral: bool) -> list[float]:
     flow_stage, errors = LucasKanade(), list[list[Doubles]]([[], []])
     flow_stage.reset(0)
     for k, out in enumerate(drive(map_file, 40, neutral=neutral)):
-        flow = flow_stage.step(out.image, Stamp(k * 100_000))
-        if flow is None or out.truth is None:
+        made = flow_stage.step(out.image, Stamp(k * 100_000))
+        if made is None or out.truth is None:
             continue
+        flow = made.flow
         error = np.linalg.norm(flow.uv_px - out.truth.flow_px, axis=-1)
         for kind, of_kind in enumerate(errors):
             of_kind.append(error[(flow.valid == 1) & (out.truth.obstacle == kind)])
