@@ -9,8 +9,8 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from graphnav import Continuity, LocalMap, Motion, Mount, ParamError, Plane, Stage, Stamp, param
-from graphnav.arrays import Bools, Bytes, Floats
+from graphnav import Continuity, FlowDeviation, LocalMap, Motion, Mount, ParamError, Plane, Stage, Stamp, param
+from graphnav.arrays import Bools, Bytes, Doubles, Floats
 from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid, without_jump
 
@@ -36,6 +36,9 @@ class Local(Stage):
     Flow shows obstacles only to a robot that drives: evidence counts in proportion to the displacement, in full from
     ``full_motion_m`` on. Until the robot has driven ``presumed_m``, it presumes that unknown ground cells are free:
     it has to set out to see.
+
+    Where ``deviation`` is wired, a cell whose flow is likely to be off by more than ``sure_px`` counts for less, by the
+    square of their ratio.
     """
 
     camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=Mount.HEIGHT_DOC)
@@ -85,6 +88,9 @@ class Local(Stage):
         doc="depth of the floor that an obstacle marks from its foot on; floor that it hides stays unknown",
     )
     min_unknown_m2: float = param(0.02, ge=0.0, le=1e6, doc="unknown floor of a smaller area counts as free")
+    sure_px: float = param(
+        0.1, gt=0.0, le=100_000.0, doc="deviation of the flow up to which the judgement of a cell counts in full"
+    )
     presumed_m: float = param(
         0.15, ge=0.0, le=100_000.0, doc="distance from the start up to which ground is free until it is judged"
     )
@@ -113,7 +119,7 @@ class Local(Stage):
         self._near: Bools | None = None
         self._start()
 
-    def step(self, plane: Plane, motion: Motion, stamp: Stamp) -> LocalMap:
+    def step(self, plane: Plane, motion: Motion, stamp: Stamp, deviation: FlowDeviation | None = None) -> LocalMap:
         """Return the map with this frame.
 
         It restarts after a gap of more than 3 periods, and where the motion is longer than half of the map: odometry
@@ -124,10 +130,12 @@ class Local(Stage):
             self._start()
         motion, grid = usable, self._grid
         grid.move(motion)
-        seen = grid.seen(self._labels(plane), self._mount.floor_to_pixels(*plane.valid.shape))
+        floor_to_pixels = self._mount.floor_to_pixels(*plane.valid.shape)
+        seen = grid.seen(self._labels(plane), floor_to_pixels)
         moved_m = math.hypot(motion.forward_m, motion.left_m)
         self._driven_m += moved_m
-        self._add(seen, min(1.0, moved_m / self.full_motion_m))
+        weight = np.float32(min(1.0, moved_m / self.full_motion_m))
+        self._add(seen, weight if deviation is None else weight * self._sureness(plane, deviation, floor_to_pixels))
         movers = self._movers.find(Look(stamp, seen, grid.corner), self.min_mover_mps) if self.ahead_s else []
         self._forget_where_they_were(movers, seen)
         grid.stand(self.robot_radius_m, -self.max_free_evidence)
@@ -165,10 +173,15 @@ class Local(Stage):
             grown = np.maximum(grown, self._mount.outward(obstacle, height_m))
         return grown & ~self._mount.inward(obstacle, 0.0, self.foot_m)
 
-    def _add(self, seen: Bytes, weight: float) -> None:
+    def _sureness(self, plane: Plane, deviation: FlowDeviation, floor_to_pixels: Doubles) -> Floats:
+        """Return how much the judgement of every cell of the grid counts, float32 (rows, cols), 0 to 1."""
+        off_px = deviation.at(plane.valid.shape, plane.step_px)
+        sure_px = np.float32(self.sure_px)
+        return self._grid.seen(np.square(sure_px / np.maximum(off_px, sure_px)), floor_to_pixels)
+
+    def _add(self, seen: Bytes, weight: Floats | np.float32) -> None:
         evidence = self._grid.evidence
-        added = np.array([0.0, -self.miss * weight, self.hit * weight], np.float32)
-        evidence += added[seen]
+        evidence += np.array([0.0, -self.miss, self.hit], np.float32)[seen] * weight
         np.clip(evidence, -self.max_free_evidence, self.max_evidence, evidence)
         if self._driven_m < self.presumed_m:
             evidence[(seen == GROUND) & (np.abs(evidence) < -_PRESUMED_FREE)] = _PRESUMED_FREE

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from graphnav import LocalMap, Motion, ParamError
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
 
+Picture = TypeVar("Picture", Bytes, Floats)
 GROUND, OBSTACLE = 1, 2
 """Labels of a picture's cells; 0 is not judged."""
 _MIN_CELLS, _MAX_CELLS = 8, 2000
@@ -91,13 +93,13 @@ class RollingGrid:
             unknown_m=distance_m(state == LocalMap.UNKNOWN, self.cell_m),
         )
 
-    def seen(self, labels: Bytes, floor_to_cells: Doubles) -> Bytes:
+    def seen(self, labels: Picture, floor_to_cells: Doubles) -> Picture:
         """Return the label of every cell of the grid, 0 where the picture does not show it.
 
-        ``labels``: uint8 (rows, cols) of a picture's cells; ``floor_to_cells``: homography from floor points in the
-        robot's frame to these.
+        ``labels``: uint8 or float32 (rows, cols) of a picture's cells; ``floor_to_cells``: homography from floor points
+        in the robot's frame to these.
         """
-        found: Bytes = cv2.warpPerspective(
+        found: Picture = cv2.warpPerspective(
             labels,
             floor_to_cells @ self.to_robot(),
             self.evidence.shape[::-1],

@@ -8,9 +8,10 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from graphnav import Flow, Plane, Stamp, coarsen, param
+from graphnav import Flow, FlowDeviation, Plane, Stamp, coarsen, param
 from graphnav.arrays import Doubles
 from graphnav_plane.agreement import agrees, length
+from graphnav_plane.certainty import certainty
 from graphnav_plane.detector import MIN_VECTORS, Detector
 
 Method = Literal["usac_magsac", "usac_default", "ransac", "lmeds"]
@@ -41,6 +42,9 @@ class Homography(Detector):
     as `plane.affine` is. Where noise is as large as on real flow it then hardly matters what drew the first. OpenCV
     draws from generators that restart with every call: nothing here depends on a seed or on earlier runs.
 
+    Where ``deviation`` is wired, a vector that is likely to be off by more than ``threshold_px`` counts for less in the
+    fits, in proportion. Not in the score: flow is least certain at the edges of obstacles, which then are lost.
+
     References
     ----------
     .. [HZ] R. Hartley, A. Zisserman, Multiple View Geometry in Computer Vision, 2004, section 13.1.
@@ -59,7 +63,7 @@ class Homography(Detector):
     draws: int = param(200, ge=1, le=100_000, doc="four-point draws, at most")
     refits: int = param(2, ge=0, le=100, doc="least-squares fits to the inliers of the previous fit")
 
-    def step(self, flow: Flow, stamp: Stamp) -> Plane:
+    def step(self, flow: Flow, stamp: Stamp, deviation: FlowDeviation | None = None) -> Plane:
         """Return the plane on cells of ``cell_px``; nothing is judged where fewer than 6 vectors are valid."""
         self._begin(stamp)
         cells = coarsen(flow, max(self.cell_px, flow.step_px))
@@ -69,16 +73,19 @@ class Homography(Detector):
         everywhere, judged = cell_middles(*valid.shape, cells.step_px), np.flatnonzero(valid)
         vectors = cells.uv_px.reshape(-1, 2)
         places = everywhere.take(judged, axis=0)
-        matrix = self._fitted(places, places + vectors.take(judged, axis=0))
+        weights = np.ones(len(judged))
+        if deviation is not None:
+            weights = certainty(cells, deviation, self.threshold_px).take(judged).astype(np.float64)
+        matrix = self._fitted(places, places + vectors.take(judged, axis=0), weights)
         left_px = (everywhere + vectors - moved(matrix, everywhere)).reshape(cells.uv_px.shape)
         return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)
 
-    def _fitted(self, places: Doubles, targets: Doubles) -> Doubles:
+    def _fitted(self, places: Doubles, targets: Doubles, weights: Doubles) -> Doubles:
         """Return the homography (3, 3) that takes most of ``places`` (n, 2) to their ``targets``."""
         matrix = drawn(places, targets, self.method, self.reprojection_px, self.draws)
         for _ in range(self.refits):
-            near = agrees(length(targets - moved(matrix, places)), self.threshold_px)
-            matrix = least_squares(places[near], targets[near])
+            near = agrees(weights * length(targets - moved(matrix, places)), self.threshold_px)
+            matrix = least_squares(places[near], targets[near], weights[near])
         return matrix
 
 
@@ -96,12 +103,14 @@ def drawn(places: Doubles, targets: Doubles, method: Method, reprojection_px: fl
         confidence=_CONFIDENCE_RATIO,
     )
     if matrix is None or not np.isfinite(matrix).all():
-        return least_squares(places, targets)
+        return least_squares(places, targets, np.ones(len(places)))
     return np.asarray(matrix * [[1.0, 1.0, _UNIT_PX], [1.0, 1.0, _UNIT_PX], [1 / _UNIT_PX, 1 / _UNIT_PX, 1.0]])
 
 
-def least_squares(places: Doubles, targets: Doubles) -> Doubles:
+def least_squares(places: Doubles, targets: Doubles, weights: Doubles) -> Doubles:
     """Return the homography (3, 3) that takes ``places`` (n, 2) nearest to ``targets``, by the linear equations.
+
+    ``weights``: (n,), of the differences.
 
     Solved for the difference from the identity, with a small ridge: finite even if all positions are collinear. The
     equations weigh a vector by its depth, which is nearly 1 where the motion between frames is small.
@@ -110,13 +119,13 @@ def least_squares(places: Doubles, targets: Doubles) -> Doubles:
     x, y = places.T / scale
     one, zero = np.ones_like(x), np.zeros_like(x)
     equations = [
-        np.stack([*(columns), -target * x, -target * y])
+        weights * np.stack([*(columns), -target * x, -target * y])
         for columns, target in (
             ((x, y, one, zero, zero, zero), targets[:, 0] / scale),
             ((zero, zero, zero, x, y, one), targets[:, 1] / scale),
         )
     ]
-    added_px = (targets - places).T / scale
+    added_px = weights * (targets - places).T / scale
     products = sum(rows @ rows.T for rows in equations)
     added = np.linalg.solve(
         products + _RIDGE * len(places) * np.eye(8),

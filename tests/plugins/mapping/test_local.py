@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from graphnav_mapping.local import Local
 
-from graphnav import LocalMap, Motion, ParamError, Plane, Stamp
+from graphnav import FlowDeviation, LocalMap, Motion, ParamError, Plane, Stamp
 
 from .conftest import Camera, Pillar, seen_plane
 
@@ -292,3 +292,16 @@ def test_it_restarts_where_odometry_jumps(jump_m: float) -> None:
 def test_a_grid_that_cannot_be_searched_is_refused(wrong: dict[str, Any], said: str) -> None:
     with pytest.raises(ParamError, match=said):
         Local(**wrong).check()
+
+
+def test_a_judgement_by_flow_that_is_likely_to_be_off_counts_for_less() -> None:
+    def evidence(deviation_px: float | None) -> float:
+        drive = Drive(max_evidence=100.0, sure_px=0.1)
+        plane, motion = pillars(PILLAR)(drive.camera), Motion(0.03, 0.0, 0.0, PERIOD_US)
+        there = np.full(plane.valid.shape, deviation_px or 0.0, np.float32)
+        known = None if deviation_px is None else FlowDeviation(deviation_px=there, step_px=plane.step_px)
+        drive.stage.step(plane, motion, Stamp(PERIOD_US), known)
+        return float(drive.stage._grid.evidence.max())
+
+    assert evidence(0.05) == evidence(None)
+    assert evidence(0.2) == pytest.approx(evidence(None) / 4)

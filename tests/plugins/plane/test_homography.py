@@ -13,7 +13,7 @@ import pytest
 from graphnav_plane.affine import Affine
 from graphnav_plane.homography import Homography, least_squares
 
-from graphnav import Flow, Plane, Stamp
+from graphnav import Flow, FlowDeviation, Plane, Stamp
 from graphnav.arrays import Doubles
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def test_least_squares_is_opencvs(noise_px: float) -> None:
         np.column_stack([places, np.ones(500)]) @ np.array([[1.01, 0.02, 0.3], [-0.02, 1.02, 2.0], [1e-5, 1e-4, 1]]).T
     )
     targets = moved[:, :2] / moved[:, 2:] + rng.normal(0, noise_px, (500, 2))
-    ours = least_squares(places, targets)
+    ours = least_squares(places, targets, np.ones(len(places)))
     reference, _ = cv2.findHomography(places, targets, 0)
     for corner in ([-80, -60, 1], [80, -60, 1], [80, 60, 1], [0, 0, 1]):
         one, other = ours @ corner, reference @ corner
@@ -113,5 +113,23 @@ def test_least_squares_is_opencvs(noise_px: float) -> None:
 def test_least_squares_of_places_on_a_line_takes_them_where_they_go() -> None:
     places = np.column_stack([np.linspace(-50, 50, 6), np.zeros(6)])
     targets = places + np.array([0.5, 1.0])
-    moved = np.column_stack([places, np.ones(6)]) @ least_squares(places, targets).T
+    moved = np.column_stack([places, np.ones(6)]) @ least_squares(places, targets, np.ones(len(places))).T
     assert moved[:, :2] / moved[:, 2:] == pytest.approx(targets, abs=1e-3)
+
+
+def test_a_vector_that_is_likely_to_be_off_counts_for_less_in_the_fit() -> None:
+    rng = np.random.default_rng(0)
+    shape, step_px = (20, 20), 4
+    flow = np.full((*shape, 2), (2.0, 1.0), np.float32)
+    deviation_px = np.full(shape, 0.02, np.float32)
+    bad = np.s_[:, :14]
+    flow[bad] += rng.normal(0.0, 0.3, flow[bad].shape)
+    deviation_px[bad] = 0.4
+    message = Flow(uv_px=flow, valid=np.ones(shape, np.uint8), interval_us=100_000, step_px=step_px)
+
+    def error_px(deviation: FlowDeviation | None) -> float:
+        stage = Homography(cell_px=step_px)
+        stage.reset(0)
+        return float(stage.step(message, Stamp(0), deviation).score[:, 14:].mean())
+
+    assert error_px(FlowDeviation(deviation_px=deviation_px, step_px=step_px)) < 0.5 * error_px(None)
