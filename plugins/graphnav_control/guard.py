@@ -9,6 +9,7 @@ import numpy as np
 from graphnav import (
     Age,
     Flow,
+    FlowDeviation,
     GuardState,
     Image,
     Latest,
@@ -25,7 +26,7 @@ from graphnav import (
     param,
 )
 from graphnav_control.causes import Cause, Staleness, contrast, judged_ratio, lost
-from graphnav_control.latch import Latch
+from graphnav_control.latch import Latch, Relapses
 from graphnav_control.limits import limited
 from graphnav_control.shown_motion import SETTLE_US, SentCommands, ShownMotion
 
@@ -34,6 +35,8 @@ REST_MPS = 1e-9
 """Speeds up to this are not forward: the cosine of a right angle is not exactly 0."""
 MIN_MOVED = 2
 """Flows that move before a picture that was frozen is trusted again."""
+INPUTS = ("command", "plane", "image", "flow", "deviation", "odometry")
+"""Those that the robot stands without, once they are wired."""
 WITHHELD_S = 0.1
 """Beyond ``max_age_s``, how long the motors may have taken nothing before the run withholds the commands."""
 REPEAT_US = 1_000_000
@@ -50,13 +53,15 @@ class GuardOutputs(NamedTuple):
 class Guard(Stage):
     """Lets a command through to the motors while the robot sees, and stops it otherwise.
 
-    The robot stands while a wired input among ``command``, ``plane``, ``image``, ``flow`` and ``odometry`` has not
-    arrived yet ("waiting"), is older than ``max_age_s`` ("stale", until for as long its age has stayed below 0.8 of
-    that), or has implausible stamps or values that are not finite ("fault"). It also stands while too little of the
-    plane could be judged or the image is blank ("blind"): unknown is not free. While nearly all judged cells are
-    obstacle ("obstacle") it may turn and drive backward, but not forward. The same holds by default while more than
-    ``max_unknown_ratio`` of the cells inside the picture's rim were not judged ("unknown", see `Plane.unknown`), as
-    before a white wall; ``unjudged`` chooses another reaction.
+    The robot stands while a wired input among ``command``, ``plane``, ``image``, ``flow``, ``deviation`` and
+    ``odometry`` has not arrived yet ("waiting"), is older than ``max_age_s`` ("stale", until for as long its age has
+    stayed below 0.8 of that), or has implausible stamps or values that are not finite ("fault"). It also stands while
+    too little of the plane could be judged or the image is blank ("blind"): unknown is not free; and while too little
+    of the flow is known well ("confused") and a second longer, as on a floor that repeats and is driven over too fast
+    to tell by how much it moves; after the fourth time in 20 s until it is armed or an operator has driven. While
+    nearly all judged cells are obstacle ("obstacle") it may turn and drive backward, but not forward. The same holds by
+    default while more than ``max_unknown_ratio`` of the cells inside the picture's rim were not judged ("unknown", see
+    `Plane.unknown`), as before a white wall; ``unjudged`` chooses another reaction.
 
     It stands where the picture does not move although the robot does ("frozen"): a camera that repeats its picture, a
     covered lens, wheels that spin. That is, for ``frozen_s`` and at least three flows, the median length of the valid
@@ -133,12 +138,20 @@ class Guard(Stage):
         "unknown: flow is never valid there",
     )
     unknown_speed_ratio: float = param(0.3, ge=0.0, le=1.0, doc="share of the forward speed that brake leaves")
+    max_deviation_px: float = param(0.5, gt=0.0, le=100_000.0, doc="deviation of the flow up to which it is known well")
+    min_known_ratio: float = param(
+        0.5,
+        ge=0.0,
+        le=1.0,
+        doc="minimum share of the picture inside the rim in which the flow is known well; 0 sets no limit",
+    )
     min_contrast_gray: float = param(
-        3.0,
+        1.0,
         ge=0.0,
         le=1e6,
         doc="standard deviation of the image, averaged over blocks, below which it counts as blank (a covered lens, a "
-        "white picture), whatever a detector judges; the shipped worlds have 14 and more; 0 sets no limit",
+        "white picture), whatever a detector judges; the shipped worlds have 14 and more, `suite/faint` 2.3; 0 sets no "
+        "limit",
         renamed_from="min_contrast",
     )
     override_max_age_s: float = param(
@@ -176,7 +189,7 @@ class Guard(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Stand, armed."""
         self._is_stopped = False
-        self._staleness = {port: Staleness() for port in ("command", "plane", "image", "flow", "odometry")}
+        self._staleness = {port: Staleness() for port in INPUTS}
         self._turnable = {"obstacle"} if self.unjudged == "hold" else {"obstacle", "unknown"}
         self._passable = {"unknown"} if self.unjudged == "brake" else set[str]()
         self._last = STANDSTILL
@@ -185,6 +198,8 @@ class Guard(Stage):
         # Of the last plane and the last image: the guard fires more often than they come.
         self._seen: tuple[Plane | None, float, float] = None, 0.0, 0.0
         self._contrast: tuple[Image | None, float] = None, 0.0
+        self._known: tuple[FlowDeviation | None, float] = None, 0.0
+        self._confusion, self._confused = Relapses(), Cause("confused", "deviation")
         self._sent = SentCommands()
         mount = Mount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
         self._shown = ShownMotion(mount, self.frozen_px, self.frozen_s)
@@ -200,6 +215,7 @@ class Guard(Stage):
         plane: Latest[Plane],
         image: Latest[Image],
         flow: Latest[Flow],
+        deviation: Latest[FlowDeviation],
         motion: Latest[Motion],
         odometry: Latest[OdometryCheck],
         override: Latest[Twist],
@@ -222,6 +238,7 @@ class Guard(Stage):
             *self._lost("command", Latest(command, command_age_s), waited_s),
             *self._of_plane(plane, waited_s),
             *self._of_image(image, waited_s),
+            *self._of_deviation(deviation, utime, waited_s, is_armed=is_armed),
             *self._of_flow(flow, motion, utime, waited_s, retried_m, is_armed=is_armed),
             *self._of_odometry(odometry, utime, waited_s, retried_m, is_armed=is_armed),
         ]
@@ -233,7 +250,7 @@ class Guard(Stage):
             self._shown.restart()
         self._sent.add(utime, self._last)
         causes = stops + causes
-        is_latched = self._picture.is_latched or self._odometry.is_latched
+        is_latched = self._picture.is_latched or self._odometry.is_latched or self._confusion.is_latched
         return GuardOutputs(
             self._last,
             GuardState(
@@ -296,6 +313,22 @@ class Guard(Stage):
             self._contrast = image.value, contrast(image.value)
         seen = self._contrast[1]
         return [Cause("blind", "image", seen, self.min_contrast_gray)] if seen < self.min_contrast_gray else []
+
+    def _of_deviation(
+        self, deviation: Latest[FlowDeviation], utime: int, waited_s: float, *, is_armed: bool
+    ) -> list[Cause]:
+        """Judge whether enough of the flow is known; where it was not, the robot stands for longer."""
+        causes = self._lost_late("deviation", deviation, waited_s)
+        if causes or deviation.value is None:
+            return causes
+        if self._known[0] is not deviation.value:
+            self._known = deviation.value, deviation.value.known_ratio(self.max_deviation_px, self.rim_ratio)
+        known = self._known[1]
+        is_confused = known < self.min_known_ratio
+        if is_confused:
+            self._confused = Cause("confused", "deviation", known, self.min_known_ratio)
+        self._confusion.update(utime, is_faulty=is_confused, is_new=is_armed or self._was_driven)
+        return [] if self._confusion.is_free else [self._confused]
 
     def _of_flow(
         self,

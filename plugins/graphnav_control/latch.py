@@ -1,7 +1,8 @@
-"""Holds the robot after an input was found not to follow its motion, until the input does."""
+"""Hold the robot after a fault that shows only while it moves."""
 
 from __future__ import annotations
 
+from collections import deque
 from enum import Enum
 
 RETRY_AFTER_US = 1_000_000
@@ -10,6 +11,9 @@ RETRY_S = 1.0
 """Shortest time of a retry: its speed is the distance by this."""
 MAX_RETRIES = 5
 """Maximum number of retries in vain: a slow heartbeat that arms, or a picture that flickers, must not drive a robot."""
+MAX_RELAPSES = 4
+RELAPSES_US = 20_000_000
+"""So many faults within this time hold the robot for good."""
 
 
 class _State(Enum):
@@ -82,3 +86,34 @@ class Latch:
                 self._n_retries += 1
         self._retries_itself = is_known and not self._n_retries
         return self._state is not before
+
+
+class Relapses:
+    """Holds the robot for a second after each fault, and for good after four of them within 20 s.
+
+    For faults that go away when the robot stands and need not come back when it drives on, as a floor that repeats and
+    is confusing only where it is driven over fast. For good is until a person arms the guard or drives.
+    """
+
+    def __init__(self) -> None:
+        self._begun: deque[int] = deque(maxlen=MAX_RELAPSES)
+        self._since: int | None = None
+        self.is_latched = False
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the robot may drive."""
+        return self._since is None and not self.is_latched
+
+    def update(self, utime: int, *, is_faulty: bool, is_new: bool) -> None:
+        """Go on by one firing; ``is_new``: a person armed the guard, or drives."""
+        if is_new:
+            self._begun.clear()
+            self.is_latched = False
+        if is_faulty:
+            if self._since is None:
+                self._begun.append(utime)
+                self.is_latched |= len(self._begun) == MAX_RELAPSES and utime - self._begun[0] <= RELAPSES_US
+            self._since = utime
+        elif self._since is not None and utime - self._since >= RETRY_AFTER_US:
+            self._since = None

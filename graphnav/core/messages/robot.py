@@ -96,17 +96,18 @@ _CONTRADICTIONS = {"frozen", "jump", "turn_jump", "motionless", "reversed", "sca
 class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
     """The decision of the guard before the motors, and its causes.
 
-    ``may_move``: whether any motion is allowed; ``may_advance``: whether forward motion is. ``overridden``: an
-    override is active. ``stopped``: a stop was requested, or a frozen picture or faulty odometry holds the robot for
-    good, and the guard was not armed again since. A "frozen" or a fault of odometry that forbids no motion although no
-    override is active is being retried (`is_retrying`).
+    ``may_move``: whether any motion is allowed; ``may_advance``: whether forward motion is. ``overridden``: an override
+    is active. ``stopped``: a stop was requested, or a frozen picture, faulty odometry or flow that was not known again
+    and again holds the robot for good, and the guard was not armed again since. A "frozen" or a fault of odometry that
+    forbids no motion although no override is active is being retried (`is_retrying`).
 
     ``causes``, ``ports``, ``values``, ``limits``: one entry for each cause that restricts motion now, or would
     without the override: "waiting" (no message yet), "stale", "fault" (of the sender's timestamps, or a value that is
-    not finite), "blind", "unknown" (cells that were not judged), "obstacle", "frozen" (a picture that does not move
-    while the robot does), a fault of `OdometryCheck` or "stop"; the guard's input port; the measured value and its
-    limit (seconds for waiting and stale; for blind a ratio of a plane or gray levels of an image; a ratio for unknown
-    and obstacle; pixels for frozen; those of the check for odometry; else 0).
+    not finite), "blind", "unknown" (cells that were not judged), "confused" (flow that is not known well), "obstacle",
+    "frozen" (a picture that does not move while the robot does), a fault of `OdometryCheck` or "stop"; the guard's
+    input port; the measured value and its limit (seconds for waiting and stale; for blind a ratio of a plane or gray
+    levels of an image; a ratio for unknown, confused and obstacle; pixels for frozen; those of the check for odometry;
+    else 0).
     """
 
     may_move: bool

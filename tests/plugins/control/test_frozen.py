@@ -76,6 +76,7 @@ class Robot:
             plane=UNWIRED,
             image=UNWIRED,
             flow=Latest(self._flow.value, 0.01),
+            deviation=UNWIRED,
             motion=Latest(self._motion.value, 0.01) if self._has_odometry else UNWIRED,
             odometry=UNWIRED if self.check is None else Latest(self.check, 0.01),
             override=UNWIRED if override is None else Latest(override, 0.01),
@@ -388,7 +389,7 @@ def test_odometry_that_seems_wrong_while_the_robot_stands_holds_it_no_longer() -
 
 
 def _inputs(**given: Any) -> dict[str, Any]:
-    return dict.fromkeys(("plane", "image", "motion", "odometry", "override", "stop"), UNWIRED) | {
+    return dict.fromkeys(("plane", "image", "deviation", "motion", "odometry", "override", "stop"), UNWIRED) | {
         "command": AHEAD,
         "command_age_s": Age(0.01),
         "utime": Stamp(5_000_000),

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from graphnav_control.guard import Guard, GuardOutputs
 
-from graphnav import Age, Image, Latest, Plane, Stamp, Stop, Twist
+from graphnav import Age, FlowDeviation, Image, Latest, Plane, Stamp, Stop, Twist
 from graphnav.testing import check_stage
 
 PERIOD_US = 50_000
@@ -46,6 +46,13 @@ def flat(gray: float, noise: float = 0.0, shape: tuple[int, ...] = (120, 160)) -
     return Image(pixels=np.clip(pixels, 0, 255).astype(np.uint8))
 
 
+def known(ratio: float) -> FlowDeviation:
+    """Return the deviation of a flow that is known well in this share of the picture's middle."""
+    deviation_px = np.full((ROWS, COLS), 5.0, np.float32)
+    deviation_px[:, : round(ratio * COLS)] = 0.05
+    return FlowDeviation(deviation_px=deviation_px, step_px=4)
+
+
 def fresh(message: Any) -> Latest[Any]:
     return Latest(message, FRESH_S)
 
@@ -55,6 +62,7 @@ GOOD: dict[str, Any] = {
     "plane": fresh(plane()),
     "image": fresh(textured()),
     "flow": Latest(is_connected=False),
+    "deviation": Latest(is_connected=False),
     "motion": Latest(is_connected=False),
     "odometry": Latest(is_connected=False),
     "override": Latest(is_connected=False),
@@ -277,6 +285,42 @@ def test_an_image_with_texture_is_seen_through_noise_and_in_colour() -> None:
     colour = Image(pixels=np.repeat(gray.pixels[..., None], 3, axis=-1))
     assert causes(Driven()(image=fresh(gray))) == causes(Driven()(image=fresh(colour))) == []
     assert causes(Driven(min_contrast_gray=0.0)(image=fresh(flat(255)))) == []
+
+
+def test_flow_that_is_not_known_well_stops_the_robot() -> None:
+    outputs = Driven()(deviation=fresh(known(0.3)))
+    assert speeds(outputs) == (0.0, 0.0)
+    assert causes(outputs) == [("confused", "deviation")]
+    assert outputs.state.described() == ["confused: deviation, 0.233 (limit 0.5)"]
+    assert causes(Driven()(deviation=fresh(known(0.9)))) == []
+    assert causes(Driven(min_known_ratio=0.1)(deviation=fresh(known(0.3)))) == []
+    assert causes(Driven(max_deviation_px=6.0)(deviation=fresh(known(0.0)))) == []
+
+
+def test_confusion_holds_the_robot_for_a_second_and_the_fourth_in_20_s_for_good() -> None:
+    driven, well, badly = Driven(), fresh(known(1.0)), fresh(known(0.1))
+
+    def stands_s() -> float:
+        """Confuse it once; return for how long it stands after that, at most 5 s."""
+        driven(deviation=badly)
+        return next((k * 0.05 for k in range(100) if not causes(driven(deviation=well))), math.inf)
+
+    for _ in range(3):
+        assert 0.9 <= stands_s() <= 1.0
+    assert stands_s() == math.inf
+    state = driven(deviation=well).state
+    assert state.stopped
+    assert not state.may_move
+    driven(deviation=well, stop=fresh(Stop(engaged=False)))
+    assert causes(driven(deviation=well)) == []
+    driven(deviation=badly)
+    assert causes(driven(deviation=well, override=fresh(HAND))) == [("confused", "deviation")]
+
+
+def test_a_wired_deviation_that_is_lost_stops_the_robot() -> None:
+    assert causes(Driven()(deviation=Latest(known(1.0), LATE_S))) == [("stale", "deviation")]
+    empty = FlowDeviation(deviation_px=np.empty((0, 0), np.float32))
+    assert causes(Driven()(deviation=fresh(empty))) == [("confused", "deviation")]
 
 
 def test_all_round_obstacle_forbids_going_forward_but_not_turning() -> None:
