@@ -101,4 +101,4 @@ def test_a_robot_whose_picture_freezes_stands_and_stays(graph: str, drive: Drive
             held = states(log)[-1]
         assert (held.stopped, held.causes) == ((True, ("frozen",)) if frozen_px else (False, ()))
     assert ways_m[0] <= 0.15 + 0.04 + 0.1  # before the stop, braking, the retry
-    assert ways_m[1] > 1.0
+    assert ways_m[1] > 0.5  # on, `navigate` into a wall

@@ -79,6 +79,6 @@ def test_the_first_frame_that_a_change_touches_is_found(again: Again) -> None:
 
 
 def test_the_middle_of_the_drive_is_played(again: Again) -> None:
-    result = again(play=["flow.flow", "planar.planar"])
+    result = again(play=["flow", "planar.planar"])
     assert result.is_equal
     assert {"flow", "planar"}.isdisjoint(result.stepped)

@@ -31,7 +31,7 @@ def test_by_default_sources_are_played_and_everything_else_steps(corridor: Graph
 
 
 def test_the_middle_is_played(corridor: Graph) -> None:
-    plan = make_plan(corridor, ["flow.flow", "planar"])
+    plan = make_plan(corridor, ["flow", "planar"])
     assert "flow" not in plan.stepped_names
     assert "planar" not in plan.stepped_names
     assert plan.readers_of(corridor.channels["flow.flow"]) == ["plane", "guard", "sense"]

@@ -110,9 +110,10 @@ def test_check_says_what_it_leaves_out_and_checks_the_rest(has_run: HasRun, caps
     assert [" ".join(line.split()) for line in said.out.splitlines() if "." in line] == [
         "camera mine.camera camera.image: ?",
         "flow flow.lucas_kanade camera.image flow.flow: Flow",
+        "flow.deviation: FlowDeviation",
         "painter mine.painter flow.flow",
         "wheels mine.wheels flow.flow",
-        "graph.yaml is fine, except what was left out (camera, painter, wheels): 0 sources, 4 other stages, 1 channel",
+        "graph.yaml is fine, except what was left out (camera, painter, wheels): 0 sources, 4 other stages, 2 channels",
     ]
     Path("theirs/graph.yaml").write_text("plugins: [mine.py]\nextends: approach\n")
     assert main(["check", "theirs/graph.yaml"]) == 1

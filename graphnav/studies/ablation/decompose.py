@@ -8,7 +8,7 @@ from dataclasses import replace
 from graphnav import Graph, Message, Metric, Place, UserError
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Override, Target, load_graph
-from graphnav.core.stage import ports_of
+from graphnav.core.stage import Port, ports_of
 from graphnav.studies.ablation.plan import driving_stages
 from graphnav.studies.ablation.study import Axis, Choice, Decomposition, MetricExpression, Study
 from graphnav.studies.ablation.study.study import AXIS, BASE, COMMON, CONDITION, OWN
@@ -72,35 +72,38 @@ def common_drive(
 ) -> tuple[Override, ...] | None:
     """Return what lets the last stage's oracle drive a graph, the same for all variants; None if that cannot be.
 
-    What still reads one of the other stages and drives, as a guard does, gets an oracle of its own in their place.
+    What still reads one of the other stages and drives, as a guard does, gets an oracle of its own in their place. What
+    an oracle does not publish is left out where the reader goes without.
     """
     *others, last = oracles
     found = [Override(Target("stage", (last,)), oracles[last], place)]
     graph = load_graph(name, catalog, (*Override.without_replaced(overrides, found), *found))
     added: dict[str, None] = {}
-    for stage, port, read, message in _reads(graph, set(others)):
-        if (output := _output(catalog, oracles[read], message)) is None:
+    for stage, port, read in _reads(graph, set(others)):
+        outputs = _outputs(catalog, oracles[read], port.message)
+        if len(outputs) > 1 or not (outputs or port.may_be_open):
             return None
-        added[read] = None
-        found.append(Override(Target("wire", (stage,), port), f"{_PREFIX}{read}.{output}", place))
+        if outputs:
+            added[read] = None
+        wire = f"{_PREFIX}{read}.{outputs[0]}" if outputs else None
+        found.append(Override(Target("wire", (stage,), port.name), wire, place))
     found += [Override(Target("add", (f"{_PREFIX}{read}",)), oracles[read], place) for read in added]
     graph = load_graph(name, catalog, (*Override.without_replaced(overrides, found), *found))
     return tuple(found) if driving_stages(graph).isdisjoint(others) else None
 
 
-def _reads(graph: Graph, stages: set[str]) -> Iterator[tuple[str, str, str, type[Message]]]:
-    """Yield who reads what of some stages and drives: stage, port, the stage that is read, the message."""
+def _reads(graph: Graph, stages: set[str]) -> Iterator[tuple[str, Port, str]]:
+    """Yield who reads what of some stages and drives: stage, port, the stage that is read."""
     driving = driving_stages(graph)
     for node in graph.nodes:
         for i in node.inputs if node.name in driving - stages else ():
             if i.channel is not None and i.channel.stage in stages:
-                yield node.name, i.port.name, i.channel.stage, i.channel.message
+                yield node.name, i.port, i.channel.stage
 
 
-def _output(catalog: Catalog, use: str, message: type[Message]) -> str | None:
-    """Return the one output of a stage that carries a message, None if there is not exactly one."""
-    names = [port.name for port in ports_of(catalog.stage(use)).outputs if port.message is message]
-    return names[0] if len(names) == 1 else None
+def _outputs(catalog: Catalog, use: str, message: type[Message]) -> list[str]:
+    """Return the outputs of a stage that carry a message."""
+    return [port.name for port in ports_of(catalog.stage(use)).outputs if port.message is message]
 
 
 PLACE = Place("--decompose")
