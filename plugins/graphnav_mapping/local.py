@@ -175,9 +175,8 @@ class Local(Stage):
 
     def _sureness(self, plane: Plane, deviation: FlowDeviation, floor_to_pixels: Doubles) -> Floats:
         """Return how much the judgement of every cell of the grid counts, float32 (rows, cols), 0 to 1."""
-        off_px = deviation.at(plane.valid.shape, plane.step_px)
-        sure_px = np.float32(self.sure_px)
-        return self._grid.seen(np.square(sure_px / np.maximum(off_px, sure_px)), floor_to_pixels)
+        sureness = deviation.sureness_at(plane.valid.shape, plane.step_px, self.sure_px)
+        return self._grid.seen(np.square(sureness), floor_to_pixels)
 
     def _add(self, seen: Bytes, weight: Floats | np.float32) -> None:
         evidence = self._grid.evidence

@@ -11,7 +11,6 @@ import numpy as np
 from graphnav import Flow, FlowDeviation, Plane, Stamp, coarsen, param
 from graphnav.arrays import Doubles
 from graphnav_plane.agreement import agrees, length
-from graphnav_plane.certainty import certainty
 from graphnav_plane.detector import MIN_VECTORS, Detector
 
 Method = Literal["usac_magsac", "usac_default", "ransac", "lmeds"]
@@ -75,7 +74,8 @@ class Homography(Detector):
         places = everywhere.take(judged, axis=0)
         weights = np.ones(len(judged))
         if deviation is not None:
-            weights = certainty(cells, deviation, self.threshold_px).take(judged).astype(np.float64)
+            sureness = deviation.sureness_at(valid.shape, cells.step_px, self.threshold_px)
+            weights = sureness.take(judged).astype(np.float64)
         matrix = self._fitted(places, places + vectors.take(judged, axis=0), weights)
         left_px = (everywhere + vectors - moved(matrix, everywhere)).reshape(cells.uv_px.shape)
         return self._plane(self._remembered(left_px, valid, cells), valid, cells.step_px)

@@ -87,6 +87,15 @@ class FlowDeviation(Message, lcm=graphnav_lcm.flow_deviation_t, grid=("deviation
         )
         return self.deviation_px if own == shape and step_px == self.step_px else self.deviation_px[np.ix_(rows, cols)]
 
+    def sureness_at(self, shape: tuple[int, ...], step_px: int, full_px: float) -> Floats:
+        """Return how much every cell of another grid counts, float32 (rows, cols), above 0 up to 1.
+
+        It is 1 where the deviation is at most ``full_px``, and the ratio of both elsewhere: errors weighed by it have
+        the same size everywhere.
+        """
+        full = np.float32(full_px)
+        return np.asarray(full / np.maximum(self.at(shape, step_px), full), np.float32)
+
     def known_ratio(self, max_px: float, rim_ratio: float) -> float:
         """Return the share of the picture inside the rim of `Plane.unknown` where it is at most ``max_px``, 0 to 1."""
         rows, cols = _inside_rim(self.deviation_px.shape, rim_ratio)

@@ -37,3 +37,7 @@ def test_cells_beyond_the_last_block_have_its_deviation() -> None:
 def test_the_share_that_is_known_is_that_inside_the_rim() -> None:
     assert graded(30, 40, 4).known_ratio(19.5, 0.17) == pytest.approx(0.5)
     assert graded(30, 40, 4).known_ratio(-1.0, 0.17) == 0.0
+
+
+def test_what_is_known_well_enough_counts_in_full_and_the_rest_by_the_ratio() -> None:
+    assert list(graded(1, 5, 4).sureness_at((1, 5), 4, 2.0)[0]) == pytest.approx([1.0, 1.0, 1.0, 2 / 3, 0.5])
