@@ -76,6 +76,12 @@ class Problem:
     ``raised``: the exception of a plugin, if that is the problem: its traceback can be shown. It is not compared.
     """
 
+    place: Place | None
+    what: str
+    hint: Hint
+    kind: ProblemKind
+    raised: BaseException | None
+
     __slots__ = ("hint", "kind", "place", "raised", "what")
 
     def __init__(
@@ -86,9 +92,14 @@ class Problem:
         kind: ProblemKind = "wrong",
         raised: BaseException | None = None,
     ) -> None:
-        self.place, self.what, self.hint, self.raised = place, what, hint, raised
+        near = isinstance(hint, Suggestion) and bool(hint)
         # a near name is proposed where one is not known
-        self.kind: ProblemKind = "unknown" if kind == "wrong" and self.suggestion else kind
+        told = (hint, "unknown" if kind == "wrong" and near else kind, place, raised, what)
+        for name, value in zip(self.__slots__, told, strict=True):
+            object.__setattr__(self, name, value)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a problem cannot be changed: '{name}'")
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Problem) and self._compared == other._compared

@@ -61,12 +61,13 @@ def _print(graph: Graph, args: CommandArguments) -> int:
         sys.stdout.write(resolved_yaml(graph, portable_paths=False))
         return Exit.OK
     from graphnav.core.machine.console import Console
+    from graphnav.core.tables import folded
 
     console = Console(highlight=False, soft_wrap=True)
     for notice in args.notices_of(graph):
         console.print(notice, markup=False)
     if len(args.graph) == 1:
-        console.print(_table(graph).folded())
+        console.print(folded(_table(graph)))
     if graph.is_live:
         console.print(f"it runs live: {_outside(graph)}", markup=False)
     parts = [

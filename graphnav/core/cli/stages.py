@@ -40,6 +40,7 @@ def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.machine.console import Console
     from graphnav.core.stage import describe
+    from graphnav.core.tables import folded
 
     catalog = args.catalog()
     console = Console(highlight=False)
@@ -57,7 +58,7 @@ def main(args: CommandArguments) -> int:
     if args.json:
         print(json.dumps([describe(use, catalog.stage(use), catalog.origin(use)) for use in uses], indent=2))
     else:
-        console.print(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS).folded())
+        console.print(folded(_all(catalog, uses, with_ports=console.width >= _MIN_COLS_OF_PORTS)))
         console.print("details: graphnav stages NAME", markup=False)
     return Exit.OK
 
@@ -92,7 +93,7 @@ def _message_called(name: str, catalog: Catalog) -> type[Message]:
 def _print_ports(args: CommandArguments, console: Console, catalog: Catalog, message: type[Message]) -> None:
     """Print the stages that write a message type, then those that read it."""
     from graphnav.core.stage import summary_of
-    from graphnav.core.tables import Table
+    from graphnav.core.tables import Table, folded
 
     ports = sorted(catalog.ports(message), key=lambda found: not found[2])
     if args.json:
@@ -106,7 +107,7 @@ def _print_ports(args: CommandArguments, console: Console, catalog: Catalog, mes
     for use, port, is_output in ports:
         how = f"{port.name}{f' ({port.reading})' if port.reading else ''}"
         rows.append(("written by" if is_output else "read by", use, how, summary_of(catalog.stage(use))))
-    table = Table.plain((message.__name__, "stage", "port", "description"), rows).folded()
+    table = folded(Table.plain((message.__name__, "stage", "port", "description"), rows))
     console.print(table if ports else f"no installed stage writes or reads {message.__name__}", markup=False)
     console.print(f"fields: graphnav types {message.__name__}", markup=False)
 
@@ -141,6 +142,7 @@ def _all(catalog: Catalog, uses: list[str], *, with_ports: bool) -> Table:
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
+    from graphnav.core.tables import folded
 
     console.print(
         f"{described['name']}, a {described['kind']} of {described['origin']}",
@@ -153,7 +155,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     for table in _tables(described):
         if table.rows:
             console.print()
-            console.print(table.folded())
+            console.print(folded(table))
     console.print()
     console.print("In a graph:")
     console.print(_snippet(described), markup=False, soft_wrap=True)

@@ -12,7 +12,7 @@ from graphnav.core.machine.console import Console
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.core.runner.simulated_clock import MAX_LATE_S
 from graphnav.core.stage import Better, Metric
-from graphnav.core.tables import Column, Table
+from graphnav.core.tables import Column, Table, print_fitted
 
 _COLOURS = {"goal": "green", "end": "green", "contact": "red", "failed": "red", "timeout": "yellow"}
 _ENDINGS = {
@@ -45,7 +45,7 @@ def print_summary(
     elif shown := _first_metrics(summary, declared):
         tables.append(_few(shown))
     for table in tables:
-        table.print(console)
+        print_fitted(console, table)
     undefined = _undefined(summary, declared) if is_verbose else []
     if undefined:
         console.print(Text(f"undefined in this run: {', '.join(undefined)}"), soft_wrap=True)

@@ -1,4 +1,4 @@
-"""A table, and how the terminal, Markdown, HTML, csv and pandas show it."""
+"""A table, and how Markdown, HTML, csv and pandas show it; `terminal.py` is for the terminal."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     import pandas as pd
     from markupsafe import Markup
-    from rich.table import Table as RichTable
-
-    from graphnav.core.machine.console import Console
 
 Tone = Literal["", "good", "bad", "warning", "clear", "quiet", "strong"]
 """How a cell stands out. "clear": a difference that is clear, of which neither side is better."""
@@ -145,35 +142,6 @@ class Table:
         aligns = [column.align for column in self.columns]
         values = {"header": self.header, "rows": list(self.cells()), "aligns": aligns}
         return rendered("graphnav.core.tables", f"{kind}.html", **values)
-
-    def print(self, console: Console, *, is_framed: bool = True) -> None:
-        """Print it in parts that fit the terminal; with a line below the heading if ``is_framed``."""
-        for block in self.fitted(console, is_framed=is_framed):
-            console.print(block, soft_wrap=True)
-
-    def fitted(self, console: Console, *, is_framed: bool = True) -> list[RichTable]:
-        """Return the parts that fit the terminal, each with the fixed columns, as `terminal.fitted` divides them."""
-        from graphnav.core.tables.terminal import fitted
-
-        return fitted(console, self, is_framed=is_framed)
-
-    def print_folded(self) -> None:
-        """Print it as wide as the terminal, or as wide as needed without one; long cells are folded."""
-        from graphnav.core.tables.terminal import print_folded
-
-        print_folded(self)
-
-    def folded(self) -> RichTable:
-        """Return it as wide as the terminal; long cells are folded, but not those of the first column."""
-        from graphnav.core.tables.terminal import folded
-
-        return folded(self)
-
-    def cut(self, *, shrinking: Collection[str], wrapped: Collection[str], style: str = "") -> RichTable:
-        """Return it for a screen that is drawn again and again, with a line for each row: see `terminal.cut`."""
-        from graphnav.core.tables.terminal import cut
-
-        return cut(self, shrinking=shrinking, wrapped=wrapped, style=style)
 
 
 def escaped(text: str) -> str:

@@ -124,6 +124,12 @@ def _width(console: Console, table: RichTable) -> int:
     return max(Measurement.get(console, options, table).maximum, min(title, console.width))
 
 
+def print_fitted(console: Console, table: Table, *, is_framed: bool = True) -> None:
+    """Print a table in parts that fit the terminal; with a line below the heading if ``is_framed``."""
+    for block in fitted(console, table, is_framed=is_framed):
+        console.print(block, soft_wrap=True)
+
+
 def folded(table: Table) -> RichTable:
     """Return a table as wide as the terminal, in which long cells are folded, but not the first column."""
     shown = RichTable(box=box.SIMPLE_HEAD, pad_edge=False, padding=_TIGHT)

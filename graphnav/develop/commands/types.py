@@ -44,6 +44,7 @@ examples:
 def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.machine import Console
+    from graphnav.core.tables import folded
     from graphnav.core.typeinfo import definition_files, describe_type
 
     known = args.known_types()
@@ -59,7 +60,7 @@ def main(args: CommandArguments) -> int:
     elif args.name:
         _print_one(console, describe_type(found[args.name]))
     else:
-        console.print(_all(found).folded())
+        console.print(folded(_all(found)))
         console.print("'graphnav types NAME' describes one.", markup=False)
     return Exit.OK
 
@@ -76,7 +77,7 @@ def _all(found: dict[str, type]) -> Table:
 
 
 def _print_one(console: Console, described: dict[str, Any]) -> None:
-    from graphnav.core.tables import Table
+    from graphnav.core.tables import Table, folded
 
     title = f"{described['message']}, {described['type']}" if described["message"] else described["type"]
     console.print(f"{title}, fingerprint {described['fingerprint']}", style="bold", markup=False)
@@ -89,7 +90,7 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
         kind = field["type"].removeprefix(f"{described['type'].rpartition('.')[0]}.")
         rows.append((field["name"], kind + dims, field["unit"], field["doc"]))
     console.print()
-    console.print(Table.plain(("field", "type", "unit", "description"), rows).folded())
+    console.print(folded(Table.plain(("field", "type", "unit", "description"), rows)))
     for name, value in described["constants"].items():
         console.print(f"{name} = {value}", markup=False)
     for name in described["nested"]:

@@ -10,7 +10,7 @@ from typing import Any
 from rich.text import Text
 
 from graphnav.core.machine import Console
-from graphnav.core.tables import Table
+from graphnav.core.tables import Table, print_fitted
 from graphnav.develop.parameters import Clock
 from graphnav.develop.profiling.flame import Node, flame_svg
 
@@ -164,7 +164,7 @@ def print_profile(console: Console, profile: Profile, *, slowest_first: bool = F
     console.print(_amount(profile))
     for table in (_stages(profile, slowest_first), _channels(profile, slowest_first), _sum(profile)):
         if table.rows:
-            table.print(console)
+            print_fitted(console, table)
     for line in _notes(profile):
         console.print(line)
 

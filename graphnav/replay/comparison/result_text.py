@@ -11,7 +11,7 @@ from rich.console import Group
 from rich.text import Text
 
 from graphnav.core.machine import Console
-from graphnav.core.tables import Cell, Table
+from graphnav.core.tables import Cell, Table, fitted
 from graphnav.replay.comparison.result import ChannelResult, FirstDifference, ReplayResult, Reproduced
 
 _MAX_CHARS = 40
@@ -28,7 +28,7 @@ def as_text(result: ReplayResult, console: Console) -> Group:
     changed = dict(_changed_metrics(result))
     if changed:
         tables.append(_metrics(changed))
-    blocks = [block for table in tables for block in table.fitted(console)]
+    blocks = [block for table in tables for block in fitted(console, table)]
     lines = []
     n_equal = sum(map(len, result.scores.values())) - sum(map(len, changed.values()))
     if n_equal:

@@ -125,6 +125,7 @@ def _print_search(tuning: Tuning, console: Console) -> None:
 
 
 def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
+    from graphnav.core.tables import print_fitted
     from graphnav.studies.tuning import (
         OPTIMISTIC,
         STUDY,
@@ -136,7 +137,7 @@ def _print_result(run: TuningRun, folder: Path, console: Console) -> None:
         tuned_table,
     )
 
-    tuned_table(run, has_params=False).print(console, is_framed=False)
+    print_fitted(console, tuned_table(run, has_params=False), is_framed=False)
     for rival in run.ranking(tuned=True):
         console.print(f"{rival.label}: {params_text(run.best(rival))}", markup=False)
     console.print(conclusion(run), markup=False)

@@ -47,6 +47,7 @@ def report(
     run is received that has no such channel.
     """
     from graphnav.core.notices import print_notice
+    from graphnav.core.tables import print_folded
     from graphnav.watch.commands.listening import complete
     from graphnav.watch.feed import MAX_CHANNELS, Feed, Watch
 
@@ -71,7 +72,7 @@ def report(
         if args.json or not times.is_due():
             continue
         if name is None and watch.channels:
-            table(watch).print_folded()
+            print_folded(table(watch))
         elif name is not None and name in watch.channels and watch.channels[name].count:
             print(line(watch.channels[name]), flush=True)
     if name is not None:
@@ -93,10 +94,12 @@ def _print_end(
     as_json: Callable[[WatchedChannel], dict[str, Any]],
 ) -> None:
     """Print the last report: of one channel a line, of all a table, either as JSON."""
+    from graphnav.core.tables import print_folded
+
     if args.json:
         told = {name: as_json(channels[name]) for name in sorted(channels)}
         print(json.dumps({"feed": feed.name, "dropped_packets": feed.dropped_packets(), "channels": told}))
     elif table is None:
         print(*map(line, channels.values()), sep="\n")
     else:
-        table.print_folded()
+        print_folded(table)

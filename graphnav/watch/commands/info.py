@@ -13,7 +13,7 @@ def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.cli import short_type
     from graphnav.core.record import find_log
-    from graphnav.core.tables import Table
+    from graphnav.core.tables import Table, print_folded
     from graphnav.watch.loginfo import as_json, as_text, survey
     from graphnav.watch.loginfo.summary import HEADINGS, damage, rows
 
@@ -25,6 +25,6 @@ def main(args: CommandArguments) -> int:
     print("\n".join(as_text(info)))
     if info.channels:
         cells = [(channel, short_type(type_name), *numbers) for channel, type_name, *numbers in rows(info)]
-        Table.plain(HEADINGS, cells).print_folded()
+        print_folded(Table.plain(HEADINGS, cells))
     print("\n".join(damage(info)) or "no damage")
     return Exit.OK

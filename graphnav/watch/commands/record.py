@@ -157,7 +157,7 @@ def _print_recorded(recorder: Recorder, url: str) -> None:
     """Print a table of the channels, the losses and the files."""
     from graphnav.core.errors import shown_name
     from graphnav.core.runner import size_text
-    from graphnav.core.tables import Table
+    from graphnav.core.tables import Table, print_folded
 
     statistics = recorder.statistics
     if not statistics.n_messages:
@@ -169,7 +169,7 @@ def _print_recorded(recorder: Recorder, url: str) -> None:
             kind = channel.kind.name if channel.kind is not None else f"unknown, {channel.fingerprint.hex()}"
             lost = f"{channel.lost:,}" if channel.lost is not None else ""
             rows.append((shown_name(name), kind, f"{channel.count:,}", size_text(channel.n_bytes), lost))
-        Table.plain(("channel", "type", "messages", "size", "lost"), rows).print_folded()
+        print_folded(Table.plain(("channel", "type", "messages", "size", "lost"), rows))
         if (n_more := len(statistics.channels) - _MAX_ROWS) > 0:
             print(f"and {counted(n_more, 'more channel')}")
         if statistics.others.count:

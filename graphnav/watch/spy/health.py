@@ -10,7 +10,7 @@ from rich.text import Text
 
 from graphnav import Status
 from graphnav.core.errors import shown_name
-from graphnav.core.tables import Cell, Table
+from graphnav.core.tables import Cell, Table, cut
 from graphnav.watch.feed import MAX_RUNS, GuardHealth, Health, RunHealth
 from graphnav.watch.fields.plain_values import plain
 
@@ -165,7 +165,7 @@ def _table(
     """Return a table without the columns whose headings are ``hidden``; only sentences are wrapped."""
     shown = [number for number, heading in enumerate(headings) if heading not in hidden]
     table = Table.plain((headings[n] for n in shown), [[row[n] for n in shown] for row in rows])
-    return table.cut(shrinking=_STRINGS, wrapped=_WRAPPED, style=style)
+    return cut(table, shrinking=_STRINGS, wrapped=_WRAPPED, style=style)
 
 
 def _ms(value: float) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import CatalogError, Problem, did_you_mean, one_line, shown_path
+from graphnav.core.errors import CatalogError, Hint, Problem, did_you_mean, one_line, shown_path
 from graphnav.core.graph.read.graph_files import GraphFile
 from graphnav.core.spec import Value
 from graphnav.core.trust import Request, read_plugin
@@ -88,10 +88,13 @@ def _load(
         try:
             sources[path] = read_plugin(path)
         except OSError as error:
-            is_absent = isinstance(error, FileNotFoundError)
-            near = did_you_mean(path.name, (other.name for other in path.parent.glob("*.py"))) if is_absent else ""
-            reason = "file not found" if is_absent else error.strerror
-            problems.append(Problem(item.place, f"plugin {graph.parent / str(item.data)}: {reason}", near))
+            reason: str | None = error.strerror
+            hint: Hint = ""
+            if isinstance(error, FileNotFoundError):
+                reason, hint = "file not found", did_you_mean(path.name, (p.name for p in path.parent.glob("*.py")))
+            elif isinstance(error, IsADirectoryError):
+                reason, hint = "is not a file", "name a Python file in it"
+            problems.append(Problem(item.place, f"plugin {graph.parent / str(item.data)}: {reason}", hint))
     request = Request.of(graph, sources)
     may_run = not sources or catalog.trust.allows(request)
     for path, item in named.items():

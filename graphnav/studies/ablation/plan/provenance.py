@@ -121,13 +121,20 @@ def check_compatible(old: Plan, new: Plan, folder: Path) -> None:
 def _change_of(old: Case, new: Case) -> str:
     """Return what differs between the graphs of a case, empty if nothing does."""
     if old.graph_yaml != new.graph_yaml:
-        lines = difflib.ndiff(old.graph_yaml.splitlines(), new.graph_yaml.splitlines())
-        changed = [line for line in lines if line[0] in "+-"]
-        was, now = (next((line[2:].strip() for line in changed if line[0] == sign), "nothing") for sign in "-+")
-        return f"'{was}' was, '{now}' is"
+        return _first_change(old.graph_yaml.splitlines(), new.graph_yaml.splitlines())
     if old.folder != new.folder:
         return f"they were to be in {old.folder}, now in {new.folder}"
     return ""
+
+
+def _first_change(old: list[str], new: list[str]) -> str:
+    """Return the first line that differs and, if it is of the same key, what stands there now."""
+    matcher = difflib.SequenceMatcher(None, old, new, autojunk=False)
+    begin_old, end_old, begin_new, end_new = next(span for tag, *span in matcher.get_opcodes() if tag != "equal")
+    was, now = ([*lines, ""][0].strip() for lines in (old[begin_old:end_old], new[begin_new:end_new]))
+    if was and now and was.partition(":")[0] != now.partition(":")[0]:
+        now = ""
+    return f"'{was}' was, '{now}' is" if was and now else f"'{was}' was, and is not" if was else f"'{now}' is new"
 
 
 def shows_same_drive(plan_a: Plan, case_a: Case, plan_b: Plan, case_b: Case) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from rich.text import Text
 
 from graphnav.core.machine import Console
+from graphnav.core.tables import print_fitted
 from graphnav.studies.ablation.plan import Plan
 from graphnav.studies.ablation.report.legend import OWN_FRAMES, same_graphs, too_few_worlds
 from graphnav.studies.ablation.report.markdown import different_versions, only_in_one
@@ -21,7 +22,7 @@ def print_comparison(console: Console, comparison: Comparison, plan: Plan) -> No
     """Print, graph by graph, the outcomes of each variant and its deciding metrics."""
     metrics = shown_metrics(plan, comparison)[:DECIDING]
     for graph in plan.graphs:
-        comparison_table(plan, comparison, graph, metrics).print(console)
+        print_fitted(console, comparison_table(plan, comparison, graph, metrics))
         rows = comparison.of_graph(graph)
         for line in same_graphs(rows):
             console.print(Text(line, style="dim"), soft_wrap=True)
@@ -37,7 +38,7 @@ def print_paired_studies(console: Console, pairing: PairedStudies) -> None:
     """Print how each variant changed from the first study to the second, and what cannot be compared."""
     metrics = tuple(pairing.metrics)[:DECIDING]
     for graph in pairing.graphs:
-        paired_table(pairing, graph, metrics, has_outcomes=False).print(console)
+        print_fitted(console, paired_table(pairing, graph, metrics, has_outcomes=False))
     for line in (*only_in_one(pairing), *different_versions(pairing)):
         console.print(Text(line, style="yellow"), soft_wrap=True)
 
@@ -47,7 +48,7 @@ def print_contrasts(console: Console, found: Iterable[Contrast], plan: Plan) -> 
     for pair in found:
         table = contrast_table(pair, plan)
         if table.rows:
-            table.print(console)
+            print_fitted(console, table)
         else:
             own = any(metric in pair.estimates for metric in plan.metrics)
             why = f"not compared: {OWN_FRAMES}" if own else "no world has runs of both"

@@ -83,6 +83,13 @@ def test_another_study_is_refused(study: Any, capsys: pytest.CaptureFixture[str]
     assert said == f"{what}: 'until_s: 5.0' was, 'until_s: 7.0' is\n{hint}"
 
 
+def test_a_line_is_not_paired_with_one_of_another_key(study: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    study.run(seeds="0:1")
+    plan = study.out / "plan.json"
+    plan.write_text(plan.read_text().replace("until_s: 5.0", "during_s: 5.0"))
+    assert ": 'during_s: 5.0' was, and is not\n" in refused(study, capsys)
+
+
 def test_a_plan_without_a_run_gives_way(study: Any) -> None:
     study.run(seeds="0:1")
     shutil.rmtree(study.out / "runs")
