@@ -184,7 +184,7 @@ class StageError(GraphnavError):
     """A stage raised, or returned what it may not; the run stops, its log is complete; exit status 1."""
 
     def __init__(self, stage: str, use: str, at_s: float, what: str, raised_at: str = "") -> None:
-        self.stage, self.use, self.at_s, self.what = stage, use, at_s, what
+        self.stage, self.use, self.at_s, self.what, self.raised_at = stage, use, at_s, what, raised_at
         super().__init__(str(Problem(None, f"stage '{stage}' ({use}) failed at {at_s:.2f} s: {what}", raised_at)))
 
     @property

@@ -12,7 +12,7 @@ from types import ModuleType
 
 from graphnav.core.errors import GraphnavError
 
-ROOMS = ("live", "studies", "replay", "watch", "develop")
+ROOMS = ("live", "processes", "studies", "replay", "watch", "develop")
 
 
 class MissingRoomError(GraphnavError):

@@ -20,7 +20,7 @@ GRAPHS = {path.stem: path for path in ERRORS.glob("*/*.yaml") if path.parent.nam
 
 REFUSED = """
 inputs_were_queues inputs_a_list input_channel_names outputs_wrong output_channel_names queues_wrong times_wrong
-channel_name_empty channel_name_reserved channel_name_too_long channel_name_with_space deploy_not_supported empty
+channel_name_empty channel_name_reserved channel_name_too_long channel_name_with_space deploy_wrong empty
 inputs_wrong key_not_a_text many missing_parameter not_a_choice not_a_mapping only_a_text out_of_bounds
 reference_not_a_text seed_wrong stage_a_text stage_empty stage_name_wrong stages_a_list stages_empty stages_missing
 stage_without_family unconnected_input unconnected_input_with_choice unconnected_input_without_writer
@@ -31,7 +31,7 @@ wrong_length wrong_type yes_is_a_text number_in_quotes only_a_comment
 """The broken graphs in which a word, not the meaning of the wires, is wrong."""
 
 WIRED = """
-ambiguous_swap input_log_missing input_of_another_type loop motor_without_guard motor_without_timer
+ambiguous_swap deploy_stages input_log_missing input_of_another_type loop motor_without_guard motor_without_timer
 twist_without_motor two_writers type_mismatch unknown_reference
 """.split()  # noqa: SIM905
 """Those in which every word is right by itself."""

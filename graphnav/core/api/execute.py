@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from graphnav.core.errors import GraphnavError, UserError
 from graphnav.core.graph import Graph
@@ -19,7 +20,9 @@ MAX_PACE = 1e6
 """The maximum of the pace, which no machine could keep; the inverse is the minimum, at which a tick takes a day."""
 
 
-def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, option: str = "") -> bool:
+def runs_live(
+    graph: Graph, *, live: bool, pace: float | None, url: str | None, processes: bool, option: str = ""
+) -> bool:
     """Return whether a run is live.
 
     ``option``: prefix of option names in errors: ``--`` on the command line.
@@ -36,10 +39,18 @@ def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, 
     if is_live and pace is not None:
         what = f"{option}pace has no effect on a live run, which runs in wall time"
         raise UserError.of(what, f"remove {option}pace")
+    if is_live and processes:
+        what = f"{option}processes has no effect on a live run, whose stages live in one process"
+        raise UserError.of(what, f"remove {option}processes")
     if not is_live and url is not None:
         what = f"{option}url is for live runs, but this graph runs in lockstep"
         raise UserError.of(what, f"add {option}live{'' if option else '=True'}, or remove {option}url")
     return is_live
+
+
+def _run_live(*given: Any, **options: Any) -> Summary:
+    summary: Summary = in_room("live.run").run_live(*given, **options)
+    return summary
 
 
 def execute(
@@ -58,13 +69,15 @@ def execute(
     stall: StallLimit | None = None,
     full: FullLog | None = None,
 ) -> Summary:
-    """Run a graph into an existing, empty folder; see `run_recorded` and `graphnav.live.run.run_live`.
+    """Run a graph into an existing, empty folder; see `run_recorded`, and ``run_processes`` and ``run_live`` of rooms.
 
     ``on_time`` gets seconds: the simulated time of the next tick; in a live run the time since the start, now and then.
     ``full`` gets every message of a lockstep run.
     """
     if is_live:
-        summary: Summary = in_room("live.run").run_live(
+        if graph.deploy:
+            notice("'deploy' is not used live: all stages live in one process")
+        return _run_live(
             graph,
             stages,
             folder,
@@ -76,8 +89,8 @@ def execute(
             notice=notice,
             stall=stall,
         )
-        return summary
-    return run_recorded(
+    run: Callable[..., Summary] = in_room("processes.run").run_processes if graph.deploy else run_recorded
+    return run(
         graph,
         stages,
         folder,

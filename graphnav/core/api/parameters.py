@@ -111,6 +111,13 @@ class Shared:
         "run in wall time, on LCM channels of other programs; implied by a graph with inputs",
         doc="Run by the wall clock and on channels of other programs; a graph with inputs is live by itself.",
     )
+    PROCESSES = flag(
+        "processes",
+        "--processes",
+        "give each stage that the graph's 'deploy' does not name a process of its own; the log stays the same",
+        doc="Give each stage that the graph's ``deploy`` does not name a process of its own, in lockstep; the log "
+        "stays the same.",
+    )
     LIVE_URL = Parameter(
         "url",
         "--url",
@@ -126,5 +133,5 @@ class Shared:
     """A graph, as commands and functions load it that run no plugin that the user has not trusted."""
     RUN_OPTIONS = (SEED, UNTIL_S, RECORD)
     """Options of a run that a graph has too, which says what they may be."""
-    OF_RUN = (*LOADED, *RUN_OPTIONS, FOLDER, TAP, PACE, LIVE, LIVE_URL, PICTURES, CHECK)
+    OF_RUN = (*LOADED, *RUN_OPTIONS, FOLDER, TAP, PACE, PROCESSES, LIVE, LIVE_URL, PICTURES, CHECK)
     """Those of `graphnav.run`; `graphnav.profile` has some of them."""

@@ -44,6 +44,7 @@ def run(
     plugins: Sequence[PathLike] = (),
     pace: float | None = None,
     tap: TapMode = "none",
+    processes: bool = False,
     live: bool = False,
     url: str | None = None,
     record: RecordOption | None = None,
@@ -76,7 +77,7 @@ def run(
     Argument(url, Shared.LIVE_URL).check_text()
     catalog = Catalog(Trust(runs_all=True))
     checked = loaded(graph, set, plugins, catalog, {"seed": seed, "until_s": until_s, "record": record})
-    result = _run(checked, catalog, folder, _Mode(live, pace, url, tap), draws=pictures)
+    result = _run(checked, catalog, folder, _Mode(live, processes, pace, url, tap), draws=pictures)
     if result.failure and not check:
         tell(f"the run failed: {result.failure}")
     return result.check() if check else result
@@ -87,6 +88,7 @@ class _Mode:
     """By which clock a graph runs, and what leaves it."""
 
     live: bool
+    processes: bool
     pace: float | None
     url: str | None
     tap: TapMode
@@ -94,7 +96,8 @@ class _Mode:
 
 def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *, draws: bool) -> Run:
     """Run a graph into a folder and draw it; raise KeyboardInterrupt where Ctrl-C ended a lockstep run."""
-    is_live = runs_live(graph, live=mode.live, pace=mode.pace, url=mode.url)
+    is_live = runs_live(graph, live=mode.live, pace=mode.pace, url=mode.url, processes=mode.processes)
+    graph = graph.with_processes() if mode.processes else graph
     if is_live:
         live_url(graph, mode.url, "url")
     stages = graph.make_stages()

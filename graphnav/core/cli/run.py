@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     Shared.UNTIL_S,
     Options.PORTABLE,
     Shared.PACE,
+    Shared.PROCESSES,
     Shared.LIVE,
     Shared.LIVE_URL,
     Shared.FOLDER,
@@ -64,7 +65,9 @@ def main(args: CommandArguments) -> int:
     from graphnav.core.tap import open_tap
 
     catalog, graph = args.load_graph(runs=True)
-    is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
+    mode = {"live": args.live, "pace": args.pace, "url": args.url, "processes": args.processes}
+    is_live = runs_live(graph, **mode, option="--")
+    graph = graph.with_processes() if args.processes else graph
     live_notice = _live_notice(args, graph) if is_live else ""
     stages = graph.make_stages()
     console, run_id = Console(stderr=args.json, highlight=False, soft_wrap=True), new_run_id()

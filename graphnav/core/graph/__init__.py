@@ -3,9 +3,10 @@
 from graphnav.core.graph.find import find_graph, shipped_folder, shipped_graphs, suggest_graph
 from graphnav.core.graph.graph import Graph
 from graphnav.core.graph.load import graph_of, load_graph, outline_of_file
-from graphnav.core.graph.node import Channel, Input, InputChannel, Node, OutputChannel
+from graphnav.core.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Part
 from graphnav.core.graph.overrides.override import Override
 from graphnav.core.graph.overrides.target import Target
+from graphnav.core.graph.part import part_of, part_yaml
 from graphnav.core.graph.paths import beside, has_path, resolve_paths
 from graphnav.core.graph.resolved import resolved_yaml
 from graphnav.core.graph.schema import graph_schema
@@ -22,6 +23,7 @@ __all__ = [
     "Node",
     "OutputChannel",
     "Override",
+    "Part",
     "RunOptions",
     "Target",
     "beside",
@@ -31,6 +33,8 @@ __all__ = [
     "has_path",
     "load_graph",
     "outline_of_file",
+    "part_of",
+    "part_yaml",
     "resolve_paths",
     "resolved_yaml",
     "shipped_folder",

@@ -14,6 +14,7 @@ from graphnav.core.graph.wiring.channels import channels_of, check_outside_names
 from graphnav.core.graph.wiring.firing import check_stamps, firing_order
 from graphnav.core.graph.wiring.inputs import inputs_of
 from graphnav.core.graph.wiring.outputs import outputs_of, unnoticed_faults
+from graphnav.core.graph.wiring.processes import parts_of
 from graphnav.core.graph.wiring.settings import run_options, settings_of
 from graphnav.core.graph.wiring.wires import Wires
 from graphnav.core.messages import Message
@@ -91,6 +92,7 @@ def check(
         inputs=inputs,
         outputs=sent,
         queues={ref: queue.keep for ref, queue in spec.queues.items()},
+        deploy=parts_of(spec, problems),
         left_out=left_out,
     )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from graphnav.core.errors import ParamError, Problem, UserError, fix_the_plugin, one_line
-from graphnav.core.graph.node import Channel, InputChannel, Node, OutputChannel
+from graphnav.core.graph.node import Channel, InputChannel, Node, OutputChannel, Part
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.machine.instruction_set import require_portable
 from graphnav.core.messages import Twist
@@ -39,6 +39,8 @@ class Graph:
     queues: Mapping[str, int | None] = field(default_factory=dict)
     """How many messages a plain input holds live, by ``stage.port``: each complete set of them fires, in order. None
     is as many as memory allows. Without an entry the newest complete set fires and older ones are overtaken."""
+    deploy: Mapping[str, Part] = field(default_factory=dict)
+    """The processes of a lockstep run, by name; stages that none of them names live in that of the command."""
     plugins: tuple[Path, ...] = ()
     """One-file plugins that it needs, absolute: those that the graph names, and those of ``--plugin``."""
     written_plugins: tuple[str, ...] = ()
@@ -55,6 +57,16 @@ class Graph:
     def sources(self) -> tuple[Node, ...]:
         """The stages that the clock fires, in the file's order."""
         return tuple(node for node in self.nodes if node.is_source)
+
+    def with_processes(self) -> Graph:
+        """Return the graph with a process of its own for each stage that ``deploy`` does not name."""
+        parts = dict(self.deploy)
+        homeless = {node.name for node in self.nodes}.difference(*(part.stages for part in parts.values()))
+        for node in self.nodes:
+            if node.name in homeless:
+                name = node.name if node.name not in parts else f"{node.name}_alone"
+                parts[name] = Part(name, (node.name,))
+        return replace(self, deploy=parts)
 
     @property
     def commands(self) -> tuple[Channel, ...]:

@@ -121,6 +121,20 @@ class Setting:
     """The value's place; that of the stage, for a default."""
 
 
+@dataclass(frozen=True)
+class Part:
+    """A process of a lockstep run, and what follows if it ends before the run does."""
+
+    name: str
+    stages: tuple[str, ...]
+    restart: Literal["never", "on_failure", "always"] = "never"
+    max_restarts: int = 3
+    """Restarts within ``restart_window_s``; after them it is given up."""
+    restart_window_s: float = 60.0
+    restart_delay_s: float = 0.5
+    """The first; doubled with each further restart in the window."""
+
+
 class LeftOut(Stage):
     """Takes the place of a stage whose plugin is not trusted and so did not run: only its wires are known."""
 

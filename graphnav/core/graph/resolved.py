@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from graphnav.core.graph.graph import Graph
-from graphnav.core.graph.node import InputChannel, Node, OutputChannel
+from graphnav.core.graph.node import InputChannel, Node, OutputChannel, Part
 from graphnav.core.spec import RunKeys, RunOptions, keys_of
 from graphnav.core.spec.write import write_value
 
@@ -46,6 +47,7 @@ def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Ite
         "inputs": {ref: _input_words(i, portable_paths=portable_paths) for ref, i in graph.inputs.items()},
         "outputs": {ref: _output_words(output) for ref, output in graph.outputs.items()},
         "queues": {ref: {"keep": "all" if keep is None else keep} for ref, keep in graph.queues.items()},
+        "deploy": {name: _part_words(part) for name, part in graph.deploy.items()},
     }
     for key, section in sections.items():
         if section:
@@ -69,6 +71,10 @@ def _input_words(given: InputChannel, *, portable_paths: bool) -> dict[str, Any]
 def _output_words(given: OutputChannel) -> dict[str, Any]:
     words = {"channel": given.name, "type": given.type_name, "motor": given.motor, "max_age_s": given.max_age_s}
     return words if given.stop is None else {**words, "stop": given.stop}
+
+
+def _part_words(part: Part) -> dict[str, Any]:
+    return {key: value for key, value in asdict(part).items() if key != "name"}
 
 
 def _node_lines(node: Node, *, portable_paths: bool) -> Iterator[str]:

@@ -1,38 +1,49 @@
 # What the rest of graphnav takes of this folder, each imported on first use.
 
 from .durations import Durations
-from .engine import Engine, Outcome, Sink, Spans, seed_of
+from .engine import Engine, Outcome, Sink, Spans, decoded, seed_of
 from .firing import Taken, Used
 from .join import MatchedSet
 from .live_inbox import LiveInbox
 from .lockstep import Lockstep, LockstepEngine
+from .lockstep_inbox import LockstepInbox
 from .recording.kept_messages import complete_channels
 from .recording.log_forecast import size_text
 from .recording.progress_file import ProgressFile
+from .recording.provenance import CODE, Difference, difference, difference_here, provenance
 from .recording.recorded_run import Failures, Measured, RecordedRun
 from .recording.run_recorded import LiveSink, about_of, new_run_id, run_recorded
 from .recording.saved_graph import remember_copies
 from .recording.stall import StallLimit
 from .recording.summary import Summary
+from .remote_unit import Done, Encoded, RemoteStage, RemoteUnit
 from .stage_calls import StageCalls
 from .status import Rates, memory_mb
 from .timer import Timer
-from .unit import Unit
+from .unit import LocalUnit, Unit
 
 __all__ = [
+    "CODE",
+    "Difference",
+    "Done",
     "Durations",
+    "Encoded",
     "Engine",
     "Failures",
     "LiveInbox",
     "LiveSink",
+    "LocalUnit",
     "Lockstep",
     "LockstepEngine",
+    "LockstepInbox",
     "MatchedSet",
     "Measured",
     "Outcome",
     "ProgressFile",
     "Rates",
     "RecordedRun",
+    "RemoteStage",
+    "RemoteUnit",
     "Sink",
     "Spans",
     "StageCalls",
@@ -44,8 +55,12 @@ __all__ = [
     "Used",
     "about_of",
     "complete_channels",
+    "decoded",
+    "difference",
+    "difference_here",
     "memory_mb",
     "new_run_id",
+    "provenance",
     "remember_copies",
     "run_recorded",
     "seed_of",

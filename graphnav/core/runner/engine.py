@@ -9,13 +9,14 @@ from functools import partial
 from typing import Any, Generic, Protocol
 
 from graphnav.core.bus import Bus
-from graphnav.core.codec import DecodeError, EncodeError, decode, encode
-from graphnav.core.errors import StageError, message_line, one_line
+from graphnav.core.codec import DecodeError, EncodeError, codec_of, decode, encode
+from graphnav.core.errors import StageError
 from graphnav.core.graph import Channel, Node
 from graphnav.core.messages import Message, Twist
+from graphnav.core.runner.remote_unit import Encoded, RemoteStage, RemoteUnit
 from graphnav.core.runner.stage_calls import StageCalls
-from graphnav.core.runner.unit import I, Publish, Unit
-from graphnav.core.stage import Port, Stage, tell_run_seed
+from graphnav.core.runner.unit import I, LocalUnit, Publish, Unit
+from graphnav.core.stage import Port, Stage
 
 Arrived = Callable[[I, Port, int, int, Any], None]
 Fire = Callable[[Unit[Any], int, dict[str, Any], float], str | None]
@@ -84,6 +85,7 @@ class Spans:
 class Engine(Generic[I]):
     """Owns stages, the bus between them, and the receivers of their messages; a schedule tells it what to fire.
 
+    ``stages``: by name; a `RemoteStage` stands for one of another process.
     ``make_inbox``: returns what holds the messages that arrived for a stage. ``arrived``: puts one there: inbox, port,
     stamp, number, message. ``is_wired``: whether stages hear what others publish; else only what the schedule delivers.
     ``played``: channels on which nothing is published, because a log gives their messages. ``commands``: channels whose
@@ -95,7 +97,7 @@ class Engine(Generic[I]):
     def __init__(
         self,
         nodes: Iterable[Node],
-        stages: Mapping[str, Stage],
+        stages: Mapping[str, Stage | RemoteStage],
         sinks: Sequence[Sink],
         make_inbox: Callable[[Node], I],
         arrived: Arrived[I],
@@ -121,10 +123,12 @@ class Engine(Generic[I]):
         outcome if a source ended the run, and raises StageError."""
         self._bus = spans.bus(Bus())
         self._arrived, self._published = arrived, published
-        self._encode, self._decode = spans.encode(_encoded), spans.decode(_decoded)
+        self._encode, self._decode = spans.encode(_encoded), spans.decode(decoded)
         publish = spans.publish(self._publish)
         self.units: dict[str, Unit[I]] = {
-            node.name: Unit(node, stages[node.name], make_inbox(node), publish, calls, spans.step, begin_us)
+            node.name: LocalUnit(node, stage, make_inbox(node), publish, calls, spans.step, begin_us)
+            if isinstance(stage := stages[node.name], Stage)
+            else RemoteUnit(node, stage, make_inbox(node), self._deliver_encoded, self._record, calls, begin_us)
             for node in nodes
         }
         """The stages, by name."""
@@ -134,9 +138,10 @@ class Engine(Generic[I]):
         """The stamp of the last message on each of these channels."""
         self._stamp = begin_us
         self._numbers: dict[str, int] = {}
-        self._plain: set[str] = set()
+        self._plain, self._is_read = set[str](), set[str]()
         self.readers: dict[str, list[tuple[Unit[I], Port]]] = {}
-        """The stages that read a channel, and their ports, by the channel's name."""
+        """The stages that read a channel, and their ports, by the channel's name; those of other processes apart."""
+        self._remote_readers: dict[str, list[tuple[Unit[I], Port]]] = {}
         if is_wired:
             self._connect()
 
@@ -147,9 +152,11 @@ class Engine(Generic[I]):
             for link in unit.node.inputs:
                 if link.channel is not None:
                     channels[link.channel.name] = link.channel
-                    self.readers.setdefault(link.channel.name, []).append((unit, link.port))
+                    readers = self._remote_readers if isinstance(unit, RemoteUnit) else self.readers
+                    readers.setdefault(link.channel.name, []).append((unit, link.port))
                     if link.port.is_plain:
                         self._plain.add(link.channel.name)
+        self._is_read.update(channels)
         for name, channel in channels.items():
             self._bus.subscribe(name, partial(self._receive, channel))
 
@@ -166,9 +173,7 @@ class Engine(Generic[I]):
         self.is_ready = False
         self.ticks, self.utime = 0, self.begin_us
         for name, unit in self.units.items():
-            with unit.calling("reset", 0.0, _said):
-                tell_run_seed(unit.stage, seed)
-                unit.stage.reset(seed_of(seed, name))
+            unit.reset(seed, seed_of(seed, name))
         self.is_ready = True
 
     def close(self) -> None:
@@ -183,8 +188,7 @@ class Engine(Generic[I]):
         at_s = (self.utime - self.begin_us) / 1e6
         for unit in self.units.values():
             try:
-                with unit.calling("close", at_s, lambda error: f"close: {_said(error)}"):
-                    unit.stage.close()
+                unit.close(at_s)
             except StageError as error:  # the others must still be closed
                 failed = failed or error
         self._bus.close()
@@ -200,7 +204,7 @@ class Engine(Generic[I]):
         """Give a message of another origin to ``sinks``, and to the stages that read its channel."""
         for sink in sinks:
             sink.write(channel, utime, data)
-        if channel in self.readers:
+        if channel in self._is_read:
             self._bus.publish(channel, data)
             self._bus.drain()
 
@@ -236,12 +240,9 @@ class Engine(Generic[I]):
         name = channel.name
         if name in self._played:
             return
-        if utime != self._stamp and name in self._plain:
-            raise ValueError("it has a stamp of its own, but feeds a plain input: read it as Latest or Since")
-        is_read = name in self.readers
-        number = self.number(name)
-        if name in self._commands:
-            self._commanded_us[name] = utime
+        self._check_stamp(name, self._stamp, utime)
+        is_read = name in self._is_read
+        number = self._count(name, utime)
         if not is_read and not self.sinks and self._published is None:
             return
         data = self._encode(channel, utime, number, message)
@@ -252,9 +253,37 @@ class Engine(Generic[I]):
         if is_read:
             self._bus.publish(name, data)
 
+    def _check_stamp(self, channel: str, firing: int, utime: int) -> None:
+        """Raise ValueError if a message has another stamp than its ``firing``, and a reader that joins by stamps."""
+        if utime != firing and channel in self._plain:
+            raise ValueError("it has a stamp of its own, but feeds a plain input: read it as Latest or Since")
+
+    def _count(self, channel: str, utime: int) -> int:
+        """Return the number of a message that is published."""
+        if channel in self._commands:
+            self._commanded_us[channel] = utime
+        return self.number(channel)
+
+    def _deliver_encoded(self, channel: Channel, firing: int, utime: int, data: bytes) -> None:
+        """Give a message that a stage of another process published to its readers."""
+        self._check_stamp(channel.name, firing, utime)
+        self.play(channel.name, utime, data, ())
+
+    def _record(self, channel: Channel, utime: int, data: bytes) -> None:
+        """Give it to the sinks, in its turn."""
+        self._count(channel.name, utime)
+        for sink in self.sinks:
+            sink.write(channel.name, utime, data)
+
     def _receive(self, channel: Channel, name: str, data: bytes) -> None:
-        utime, number, message = self._decode(channel, data)
-        self.deliver(name, utime, number, message)
+        if name in self._remote_readers:
+            codec, encoded = codec_of(channel.message.lcm_class), Encoded(data)
+            utime, number = codec.peek(data, "utime") or 0, codec.peek(data, "seq") or 0
+            for unit, port in self._remote_readers[name]:
+                self._arrived(unit.inbox, port, utime, number, encoded)
+        if name in self.readers:
+            utime, number, message = self._decode(channel, data)
+            self.deliver(name, utime, number, message)
 
 
 def seed_of(run_seed: int, stage: str) -> int:
@@ -269,13 +298,9 @@ def _encoded(_channel: Channel, utime: int, number: int, message: Message) -> by
         raise ValueError(str(error)) from error
 
 
-def _decoded(channel: Channel, data: bytes) -> tuple[int, int, Message]:
+def decoded(channel: Channel, data: bytes) -> tuple[int, int, Message]:
+    """Return stamp, number and message of a channel; raises DecodeError, which names the stage that published it."""
     try:
         return decode(channel.message, data)
     except DecodeError as error:
         raise DecodeError(f"stage '{channel.stage}': output '{channel.port}' is {error}") from error
-
-
-def _said(error: BaseException) -> str:
-    """Return an exception in one line: the message, with the type where it would not tell enough."""
-    return (message_line(error) if isinstance(error, Exception) else "") or one_line(error)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from time import perf_counter
+from typing import Any
 
 from graphnav.core.graph import Channel, Graph, Node
 from graphnav.core.messages import Message
 from graphnav.core.runner.engine import Engine, Outcome, Sink, Spans
 from graphnav.core.runner.lockstep_inbox import LockstepInbox
+from graphnav.core.runner.remote_unit import RemoteStage
 from graphnav.core.runner.stage_calls import StageCalls
 from graphnav.core.runner.unit import Unit
 from graphnav.core.stage import Stage
@@ -21,7 +23,7 @@ class LockstepEngine(Engine[LockstepInbox]):
     def __init__(
         self,
         nodes: Iterable[Node],
-        stages: Mapping[str, Stage],
+        stages: Mapping[str, Stage | RemoteStage],
         sinks: Sequence[Sink],
         *,
         is_wired: bool = True,
@@ -74,7 +76,7 @@ class Lockstep:
     def __init__(
         self,
         graph: Graph,
-        stages: Mapping[str, Stage],
+        stages: Mapping[str, Stage | RemoteStage],
         sinks: Sequence[Sink],
         spans: Spans | None = None,
         calls: StageCalls | None = None,
@@ -89,6 +91,11 @@ class Lockstep:
         self._order = [self.engine.units[node.name] for node in graph.order]
         self._sources = [self.engine.units[node.name] for node in graph.sources]
         self._due: list[tuple[int, int, int]] = []
+
+    @property
+    def processes(self) -> dict[str, Any] | None:
+        """Fate of the processes of its stages, for the summary; None: they live in this one."""
+        return None
 
     @property
     def next_utime(self) -> int:

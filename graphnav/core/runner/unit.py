@@ -2,19 +2,37 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 from typing import Any, Generic, Protocol, TypeVar
 
 from graphnav.core.codec import not_finite
-from graphnav.core.errors import GraphnavError, StageError, failure_line, one_line, raised_line, shown_value
+from graphnav.core.errors import (
+    GraphnavError,
+    StageError,
+    failure_line,
+    message_line,
+    one_line,
+    raised_line,
+    shown_value,
+)
 from graphnav.core.graph import Channel, Node
 from graphnav.core.interrupts import CtrlC
 from graphnav.core.messages import Message
 from graphnav.core.runner.durations import Durations
 from graphnav.core.runner.stage_calls import StageCalls
-from graphnav.core.stage import Finished, Port, Source, Stage, Stamped, ports_of
+from graphnav.core.stage import (
+    Finished,
+    Port,
+    Source,
+    Stage,
+    Stamped,
+    ports_of,
+    reported_metrics,
+    tell_run_seed,
+)
 
 Publish = Callable[[Channel, int, Message], None]
 
@@ -30,11 +48,78 @@ class Inbox(Protocol):
 I = TypeVar("I", bound=Inbox)  # noqa: E741 - the inbox
 
 
-class Unit(Generic[I]):
-    """A stage, its inbox and its counters.
+class Unit(ABC, Generic[I]):
+    """A stage of an engine: its inbox, its counters, and the calls into it.
 
-    ``wrap_step``: returns what is called in place of the step of a stage, by name. ``start_utime``: start of the run,
-    by the clock of its stamps.
+    ``start_utime``: start of the run, by the clock of its stamps.
+    """
+
+    def __init__(self, node: Node, inbox: I, start_utime: int) -> None:
+        self.node, self.inbox = node, inbox
+        self.durations = Durations()
+        self.missed = 0
+        """Number of steps that ended after the stage's deadline."""
+        self.last_utime = self.start_utime = start_utime
+
+    def judge_deadline(self, ready_s: float, done_s: float) -> None:
+        """Count a step that missed the stage's deadline; times in seconds."""
+        if self.node.deadline_ms is not None and done_s - ready_s > self.node.deadline_ms / 1e3:
+            self.missed += 1
+
+    @property
+    def last_s(self) -> float:
+        """Seconds from the start of the run to the last step."""
+        return (self.last_utime - self.start_utime) / 1e6
+
+    @abstractmethod
+    def reset(self, run_seed: int, seed: int) -> None:
+        """Reset the state of the stage from its ``seed``; raises StageError if the stage raises."""
+
+    @abstractmethod
+    def step(self, utime: int, inputs: dict[str, Any], age_s: float = 0.0) -> str | None:
+        """Step once with ``inputs`` by port and publish; return the outcome if a source ended the run.
+
+        ``inputs`` becomes the arguments of the step.
+
+        Raises
+        ------
+        StageError
+            The step raised, or returned something invalid.
+        """
+
+    @abstractmethod
+    def due_us(self, firing: int) -> int:
+        """Return when a firing of a source is due, microseconds after the first one.
+
+        Raises
+        ------
+        StageError
+            The stage raised, or returned a time that is not after that of the firing before.
+        """
+
+    @abstractmethod
+    def patience_s(self) -> float:
+        """Return how long a live firing waits for `Since` inputs; raises StageError if the stage raises."""
+
+    @abstractmethod
+    def metrics(self) -> dict[str, float] | None:
+        """Return the metrics of the stage after a run, None if it reports none.
+
+        Raises
+        ------
+        StageError
+            Its summary fails, or holds what the stage does not declare.
+        """
+
+    @abstractmethod
+    def close(self, at_s: float) -> None:
+        """Close the stage; raises StageError if it raises."""
+
+
+class LocalUnit(Unit[I]):
+    """A stage of this process.
+
+    ``wrap_step``: returns what is called in place of the step of a stage, by name.
     """
 
     def __init__(
@@ -47,11 +132,8 @@ class Unit(Generic[I]):
         wrap_step: Callable[[str, Callable[..., Any]], Callable[..., Any]],
         start_utime: int,
     ) -> None:
-        self.node, self.stage, self.inbox = node, stage, inbox
-        self.durations = Durations()
-        self.missed = 0
-        """Number of steps that ended after the stage's deadline."""
-        self.last_utime = self.start_utime = start_utime
+        super().__init__(node, inbox, start_utime)
+        self._stage = stage
         self._due_us: dict[int, int] = {}
         """When the last firing asked for is due, by its number."""
         self._publish, self._calls = publish, calls
@@ -62,10 +144,11 @@ class Unit(Generic[I]):
         self._open = [i.port.name for i in node.inputs if i.port.is_plain and i.channel is None]
         self._outputs = [(port, node.outputs[port.name]) for port in ports.outputs]
 
-    def judge_deadline(self, ready_s: float, done_s: float) -> None:
-        """Count a step that missed the stage's deadline; times in seconds."""
-        if self.node.deadline_ms is not None and done_s - ready_s > self.node.deadline_ms / 1e3:
-            self.missed += 1
+    def reset(self, run_seed: int, seed: int) -> None:
+        """Reset the state of the stage from its ``seed``; raises StageError if the stage raises."""
+        with self._calling("reset", 0.0, _said):
+            tell_run_seed(self._stage, run_seed)
+            self._stage.reset(seed)
 
     def step(self, utime: int, inputs: dict[str, Any], age_s: float = 0.0) -> str | None:
         """Step once with ``inputs`` by port and publish; return the outcome if a source ended the run.
@@ -104,7 +187,7 @@ class Unit(Generic[I]):
         return outcome
 
     @contextmanager
-    def calling(self, method: str, at_s: float, said: Callable[[BaseException], str] | None = None) -> Iterator[None]:
+    def _calling(self, method: str, at_s: float, said: Callable[[BaseException], str] | None = None) -> Iterator[None]:
         """Call another method of the stage than ``step``; whatever it raises becomes a StageError.
 
         ``at_s``: seconds since the start. ``said``: returns what the error says of an exception; by default the
@@ -129,9 +212,9 @@ class Unit(Generic[I]):
         StageError
             The stage raised, or returned a time that is not after that of the firing before.
         """
-        source = self.stage
+        source = self._stage
         assert isinstance(source, Source)
-        with self.calling("due_us", (self.last_utime - self.start_utime) / 1e6):
+        with self._calling("due_us", self.last_s):
             due_us = source.due_us(firing)
             if not due_us > self._due_us.get(firing - 1, min(firing, 1) - 1):
                 raise ValueError(f"firing {firing} is due at {shown_value(due_us)} us, not after the one before")
@@ -140,8 +223,20 @@ class Unit(Generic[I]):
 
     def patience_s(self) -> float:
         """Return how long a live firing waits for `Since` inputs; raises StageError if the stage raises."""
-        with self.calling("patience_s", (self.last_utime - self.start_utime) / 1e6):
-            return float(self.stage.patience_s())
+        with self._calling("patience_s", self.last_s):
+            return float(self._stage.patience_s())
+
+    def metrics(self) -> dict[str, float] | None:
+        """Return the metrics of the stage after a run, None if it reports none; raises StageError if that fails."""
+        if type(self._stage).summary is Stage.summary:
+            return None
+        with self._calling("summary", self.last_s):
+            return reported_metrics(self._stage)
+
+    def close(self, at_s: float) -> None:
+        """Close the stage; raises StageError if it raises."""
+        with self._calling("close", at_s, lambda error: f"close: {_said(error)}"):
+            self._stage.close()
 
     def _publish_all(self, utime: int, result: Any) -> None:
         """Publish the outputs, which may be objects of the plugin's own classes: what they raise is the stage's."""
@@ -180,3 +275,8 @@ class Unit(Generic[I]):
 
     def _raised(self, error: BaseException) -> str:
         return raised_line(error, (cls.__module__ for cls in self.node.stage_class.__mro__))
+
+
+def _said(error: BaseException) -> str:
+    """Return an exception in one line: the message, with the type where it would not tell enough."""
+    return (message_line(error) if isinstance(error, Exception) else "") or one_line(error)

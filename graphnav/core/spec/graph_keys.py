@@ -29,6 +29,7 @@ _CHANNEL = r"(?!graphnav\.)[!-~]{1,63}"
 _TYPE = r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*"
 _PORTS = Names(_PORT)
 _INPUTS = Names(_PORT, "the name of an input", "write stem.port in small letters, digits and _, as in camera.image")
+_PARTS = Names(STAGE_NAME, "a process's name", "use small letters, digits and _, beginning with a letter")
 _STAGES = Names(STAGE_NAME, "a stage's name", "use small letters, digits and _, beginning with a letter")
 
 
@@ -115,6 +116,33 @@ class OutputKeys(Record):
     )
 
 
+class PartKeys(Record):
+    """A process in which some stages of a lockstep run live; what goes in and out of it follows from the wires."""
+
+    noun = "a process"
+    named = "the process '{}'"
+    example = "eyes: {stages: [flow, plane], restart: on_failure}"
+
+    stages: tuple[str, ...] = key(
+        min_items=1,
+        not_empty=True,
+        missing="does not say which stages live in it",
+        doc="the stages that live in it; those that no process names stay in that of the command",
+        hint="write stages: [NAME]",
+    )
+    restart: Literal["never", "on_failure", "always"] = key(
+        "never",
+        doc="what follows if the process ends before the run does: on_failure starts it again if it was killed or "
+        "ended with another exit status than 0, always in any case; it is fed its inputs again, so that the log stays "
+        "the same. Otherwise the run fails",
+    )
+    max_restarts: int = key(3, ge=1, le=1000, doc="how often it is started again within `restart_window_s`")
+    restart_window_s: float = key(60.0, gt=0, le=1e6, doc="the time in which restarts are counted")
+    restart_delay_s: float = key(
+        0.5, ge=0, le=600, doc="wait before a restart; twice as long before each further one in `restart_window_s`"
+    )
+
+
 class QueueKeys(Record):
     """The messages that wait at an input of a stage: every complete set of them fires, live."""
 
@@ -157,6 +185,9 @@ class GraphKeys(Record):
     )
     outputs: Mapping[str, OutputKeys] | None = key(
         None, names=_PORTS, doc="channels that leave a live graph, by `stage.port`; lockstep does not use it"
+    )
+    deploy: Mapping[str, PartKeys] | None = key(
+        None, names=_PARTS, doc="processes and the stages that live in them, in lockstep; without it, one process"
     )
     queues: Mapping[str, QueueKeys] | None = key(
         None, names=_PORTS, doc="by `stage.port`, inputs of stages of which every complete set fires, live"

@@ -17,6 +17,7 @@ from graphnav.core.spec.graph_keys import (
     STOP_AFTER_S,
     GraphKeys,
     InputKeys,
+    PartKeys,
     StageKeys,
 )
 from graphnav.core.spec.value import Entry, Value
@@ -102,6 +103,15 @@ class QueueSpec:
 
 
 @dataclass
+class PartSpec:
+    """One of ``deploy``."""
+
+    keys: PartKeys
+    stages: list[tuple[str, Place | None]]
+    """Names, with their places."""
+
+
+@dataclass
 class Spec:
     """A graph as it is written."""
 
@@ -114,6 +124,7 @@ class Spec:
     inputs: dict[str, InputSpec] = field(default_factory=dict)
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
     queues: dict[str, QueueSpec] = field(default_factory=dict)
+    deploy: dict[str, PartSpec] = field(default_factory=dict)
     folders: dict[str, Path] = field(default_factory=dict)
     """The folder of each file of the graph, by the file's name in places: paths are relative to it."""
 
@@ -161,6 +172,7 @@ def outline(value: Value) -> Spec:
         inputs={ref: _input(entry) for ref, entry in _section(words, "inputs").items() if not _is_queue(entry)},
         outputs={ref: _output(entry) for ref, entry in _section(words, "outputs").items()},
         queues=queues,
+        deploy={name: part for name, entry in _section(words, "deploy").items() if (part := _part(entry))},
     )
 
 
@@ -214,15 +226,19 @@ def _queue(entry: Entry) -> QueueSpec:
     return QueueSpec(entry.place, _data(_mapping(entry.value), "keep", int))
 
 
+def _part(entry: Entry) -> PartSpec | None:
+    keys = read_record(PartKeys, entry.value)[0]
+    if keys is None:
+        return None
+    return PartSpec(keys, [(stage, keys.place("stages", str(k))) for k, stage in enumerate(keys.stages)])
+
+
 def _problems(value: Value) -> Iterator[Problem]:
     """Yield what is wrong with the shape of a graph; options of the run are read once overrides are applied."""
     if value.data is None:
         yield Problem(value.place, "the graph is empty", "write stages: and what they use")
         return
     words = {key: entry for key, entry in _mapping(value).items() if key not in FILE_KEYS}
-    if deploy := words.pop("deploy", None):
-        what = "'deploy' is not supported yet: all stages of a graph run in one process"
-        yield Problem(deploy.place, what, "remove it; for several processes, connect graphs by inputs and outputs")
     yield from _reserved_names(_section(words, "stages"))
     yield from _lacking_sources(_section(words, "inputs"))
     yield from _idle_stops(_section(words, "outputs"))

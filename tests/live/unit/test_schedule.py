@@ -157,6 +157,6 @@ def test_a_source_that_takes_longer_than_its_period_starves_no_stage(tmp_path: P
 def test_what_fails_before_the_first_step_is_told_at_the_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with scheduled(tmp_path, []) as (schedule, _, _):
         slow = schedule.engine.units["slow"]
-        monkeypatch.setattr(type(slow.stage), "patience_s", lambda _: 1 / 0)
+        monkeypatch.setattr(slow.node.stage_class, "patience_s", lambda _: 1 / 0)
         with pytest.raises(StageError, match=r"^stage 'slow' \(probe\.brightness\) failed at 0\.00 s: patience_s: "):
             slow.patience_s()

@@ -33,6 +33,15 @@ def forget(spec: Spec, gone: Collection[str], classes: Mapping[str, type[Stage]]
     ]
     _forget(spec.outputs, channels, gone, notices, "outputs: '{}' is gone: nothing leaves in its place")
     _forget(spec.queues, inputs, gone, notices, "queues: '{}' is gone, and what it holds")
+    _forget_homes(spec, gone)
+
+
+def _forget_homes(spec: Spec, gone: Collection[str]) -> None:
+    """Take stages that are gone out of their processes, and remove the processes that are empty then."""
+    for name, part in list(spec.deploy.items()):
+        part.stages = [(stage, place) for stage, place in part.stages if stage not in gone or stage in spec.stages]
+        if not part.stages:
+            del spec.deploy[name]
 
 
 def _forget(section: dict[str, Any], left: set[str], gone: Collection[str], notices: list[str], notice: str) -> None:

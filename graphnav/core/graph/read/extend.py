@@ -17,7 +17,7 @@ _READ_BEFORE = ("extends", "plugins")
 """Keys that mean something before files are merged."""
 _VALUES = ("run",)
 """Sections in which null is a value."""
-_SECTIONS = ("channels", "inputs", "outputs", "queues")
+_SECTIONS = ("channels", "inputs", "outputs", "queues", "deploy")
 """Sections in which null removes an entry of the extended graph."""
 
 

@@ -29,6 +29,7 @@ class Measured(NamedTuple):
     behind_s: float
     tap_dropped: int
     notices: tuple[str, ...] = ()
+    processes: dict[str, Any] | None = None
     live: dict[str, Any] | None = None
 
 
@@ -149,6 +150,7 @@ class RecordedRun:
             versions=Summary.versions_here(),
             behind_s=measured.behind_s,
             cause=self.failures.cause,
+            processes=measured.processes,
             live=measured.live,
         )
 

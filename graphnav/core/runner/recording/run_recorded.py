@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -60,7 +60,7 @@ def about_of(graph: Graph, *, is_live: bool = False, by_outside_names: bool = Fa
     channels = sorted(graph.channels.values(), key=lambda channel: channel.name)
     types = [channel.message.lcm_class for channel in channels]
     about = About(
-        graph_yaml=resolved_yaml(graph),
+        graph_yaml=resolved_yaml(replace(graph, deploy={})),  # which changes no message
         lcm_text=lcm_text_of(types),
         run_id="",
         seed=graph.run.seed,
@@ -98,6 +98,32 @@ def _live(about: About, graph: Graph, *, by_outside_names: bool) -> About:
     )
 
 
+class MakeLockstep(Protocol):
+    """Makes the schedule of a run; the interrupt says when the user asks for the end."""
+
+    def __call__(
+        self,
+        graph: Graph,
+        stages: Mapping[str, Stage],
+        sinks: Sequence[Sink],
+        spans: Spans | None,
+        calls: StageCalls,
+        interrupt: Interrupt,
+    ) -> Lockstep:
+        """Wire ``stages`` (by name) of ``graph``; see `Lockstep`."""
+
+
+def _in_this_process(
+    graph: Graph,
+    stages: Mapping[str, Stage],
+    sinks: Sequence[Sink],
+    spans: Spans | None,
+    calls: StageCalls,
+    interrupt: Interrupt,  # noqa: ARG001 - a step that does not return is interrupted by an exception
+) -> Lockstep:
+    return Lockstep(graph, stages, sinks, spans, calls)
+
+
 def run_recorded(
     graph: Graph,
     stages: dict[str, Stage],
@@ -113,6 +139,7 @@ def run_recorded(
     spans: Spans | None = None,
     stall: StallLimit | None = None,
     full: FullLog | None = None,
+    make_lockstep: MakeLockstep = _in_this_process,
 ) -> Summary:
     """Run ``graph`` once into ``folder``, which must exist, and return the content of its ``summary.json``.
 
@@ -121,7 +148,7 @@ def run_recorded(
     option. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows. ``on_tick`` gets
     the stamp of the next tick, ``on_failure`` every error in ``failure``, ``notice`` warnings of lateness and of a
     large log. ``spans``: measures the work. ``stall``: when a call into a stage that does not return ends the process,
-    None for never. ``full``: gets all.
+    None for never. ``full``: gets all. ``make_lockstep`` makes the schedule.
 
     Raises
     ------
@@ -135,7 +162,7 @@ def run_recorded(
 
     def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
         run.clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
-        run.begin(stages, keep, cleanup, spans, calls, full)
+        run.begin(lambda sinks: make_lockstep(graph, stages, sinks, spans, calls, interrupt), keep, cleanup, full)
         forecast = _forecast(graph, keep, run.writer, run.folder, notice)
         run.perform(forecast, on_tick, lambda: interrupt.asked)
 
@@ -161,11 +188,9 @@ class _LockstepRun:
 
     def begin(
         self,
-        stages: dict[str, Stage],
+        wire: Callable[[Sequence[Sink]], Lockstep],
         keep: Collection[str] | None,
         cleanup: ExitStack,
-        spans: Spans | None,
-        calls: StageCalls,
         full: FullLog | None,
     ) -> None:
         """Open the log, announce the run and wire the stages; ``cleanup`` gets what closes all that."""
@@ -182,7 +207,7 @@ class _LockstepRun:
             full.open(self.folder)
             full.write(About.CHANNEL, 0, self._about())
             sinks.append(full)
-        self._lockstep = Lockstep(self._graph, stages, sinks, spans, calls)
+        self._lockstep = wire(sinks)
         self.record.engine = self._lockstep.engine
         cleanup.callback(close, self._lockstep.engine.close)
 
@@ -235,6 +260,7 @@ class _LockstepRun:
             wall_s=time.monotonic() - self._started_s if self._wall_s is None else self._wall_s,
             behind_s=round(self.clock.behind_s, 4),
             tap_dropped=self._tap.dropped if self._tap is not None else 0,
+            processes=self._lockstep.processes,
         )
 
 

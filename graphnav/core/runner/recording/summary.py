@@ -16,7 +16,6 @@ from typing import Any, ClassVar
 from graphnav.core.machine.files import write_atomically
 from graphnav.core.machine.instruction_set import used_instruction_set
 from graphnav.core.runner.unit import Unit
-from graphnav.core.stage import Stage, reported_metrics
 
 _RECORDED = ("graphnav", "numpy", "opencv-python-headless", "scikit-learn", "lcm", "pymunk", "pluggy", "pyyaml")
 
@@ -59,6 +58,8 @@ class Summary:
     """How far the run ended behind the wall clock, seconds: of a paced one its pace, of a live one its latest timer."""
     cause: str = ""
     """The failure without the time at which it happened: the same for runs that failed for the same reason."""
+    processes: dict[str, Any] | None = None
+    """Of a run in several processes: by name, the stages of each, and how it ended before the run did."""
     live: dict[str, Any] | None = None
     """Of a live run: its URL, inputs, outputs and edges as in `Status`, missed deadlines, what the log has dropped."""
 
@@ -86,9 +87,10 @@ class Summary:
         """
         scores = {}
         for name, unit in units.items():
-            if type(unit.stage).summary is not Stage.summary:
-                with noted(), unit.calling("summary", (unit.last_utime - unit.start_utime) / 1e6):
-                    scores[name] = reported_metrics(unit.stage)
+            with noted():
+                metrics = unit.metrics()
+                if metrics is not None:
+                    scores[name] = metrics
         return scores
 
 

@@ -3,7 +3,7 @@
 from graphnav.studies.ablation.plan.build_plan import CheckedStudy, check_study
 from graphnav.studies.ablation.plan.plan import RUNS, Case, Job, Plan
 from graphnav.studies.ablation.plan.plan_file import load_plan, save_plan
-from graphnav.studies.ablation.plan.provenance import check_compatible, difference_here, shows_same_drive, with_versions
+from graphnav.studies.ablation.plan.provenance import check_compatible, shows_same_drive, with_versions
 from graphnav.studies.ablation.plan.upstream import driving_stages
 
 __all__ = [
@@ -14,7 +14,6 @@ __all__ = [
     "Plan",
     "check_compatible",
     "check_study",
-    "difference_here",
     "driving_stages",
     "load_plan",
     "save_plan",

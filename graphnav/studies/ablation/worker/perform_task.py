@@ -16,9 +16,8 @@ from graphnav.core.graph import graph_of
 from graphnav.core.pictures import drawing
 from graphnav.core.report import LogPictures
 from graphnav.core.run_folder import RunFolder
-from graphnav.core.runner import Outcome, StallLimit, Summary, run_recorded
+from graphnav.core.runner import Outcome, StallLimit, Summary, difference_here, run_recorded
 from graphnav.studies import parameters
-from graphnav.studies.ablation.plan import difference_here
 
 IDLE_S = 60.0
 """A process that is idle for this long exits: on a cluster it is not notified of the end of the study."""
@@ -153,7 +152,7 @@ class _Study:
 @lru_cache(maxsize=1)
 def _study(plugins: tuple[str, ...], wanted: tuple[tuple[str, str], ...]) -> _Study:
     """Return the study of a task; raises UserError where this process differs from what the study began with."""
-    if other := difference_here(wanted, plugins):
+    if other := difference_here(dict(wanted), plugins):
         raise UserError.of(
             f"{platform.node()} does not have what the study began with, but {other}",
             other.hint or "the runs would not compare: let all machines, from beginning to end, have the same",

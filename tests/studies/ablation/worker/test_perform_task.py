@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav.studies.ablation.plan.provenance import provenance
+from graphnav.core.runner import provenance
 from graphnav.studies.ablation.worker.perform_task import Task, perform
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from graphnav.studies.ablation.plan.provenance import difference, difference_here, provenance
+from graphnav.core.runner import difference, difference_here, provenance
 
 
 def test_packages_and_files_are_known_by_what_they_hold(tmp_path: Path) -> None:
@@ -25,6 +25,6 @@ def test_what_only_one_of_them_has_is_no_difference() -> None:
 
 def test_this_process_is_compared_by_all_that_it_is_asked_for() -> None:
     wanted = provenance(["plane"], [])
-    assert difference_here(tuple(wanted.items()), ()) is None
+    assert difference_here(wanted, ()) is None
     old = {**wanted, "code of plane": "0123456789ab"}
-    assert str(difference_here(tuple(old.items()), ())).startswith("another code of plane: 0123456789ab, now ")
+    assert str(difference_here(old, ())).startswith("another code of plane: 0123456789ab, now ")

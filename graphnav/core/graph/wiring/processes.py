@@ -1,0 +1,35 @@
+"""``deploy``: which stages live in which process."""
+
+from __future__ import annotations
+
+from graphnav.core.errors import Hint, Problem, did_you_mean
+from graphnav.core.graph.node import Part
+from graphnav.core.spec import Spec
+
+
+def parts_of(spec: Spec, problems: list[Problem]) -> dict[str, Part]:
+    """Return the processes of a graph by name; what is wrong is added to ``problems``."""
+    homes: dict[str, str] = {}
+    parts = {}
+    for name, part in spec.deploy.items():
+        keys = part.keys
+        for stage, place in part.stages:
+            if stage in spec.stages and stage not in homes:
+                homes[stage] = name
+            else:
+                problems.append(Problem(place, *_why_not(spec, name, stage, homes)))
+        stages = tuple(stage for stage, _ in part.stages)
+        parts[name] = Part(name, stages, keys.restart, keys.max_restarts, keys.restart_window_s, keys.restart_delay_s)
+    return parts
+
+
+def _why_not(spec: Spec, part: str, stage: str, homes: dict[str, str]) -> tuple[str, Hint]:
+    """Return why a process cannot have a stage, and a hint."""
+    if stage in homes:
+        also = "twice" if homes[stage] == part else f"that '{homes[stage]}' has already"
+        return f"the process '{part}' names stage '{stage}' {also}", "name each stage once: it lives in one process"
+    if any(stage in (ref, ref.partition(".")[0]) for ref in spec.inputs):
+        what = f"the process '{part}' names the input '{stage}', which comes from outside of the graph"
+        return what, "remove it: only stages live in processes"
+    near = did_you_mean(stage.partition(".")[0], spec.stages)
+    return f"there is no stage '{stage}'", near or f"stages are {', '.join(spec.stages)}"

@@ -1,0 +1,81 @@
+"""Properties that runs depend on beside their graph: versions, and the code of the stages."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from importlib.metadata import entry_points
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+from graphnav.core.catalog import GROUP
+from graphnav.core.machine.instruction_set import PORTABLE
+from graphnav.core.machine.pins import OPT_OUT
+from graphnav.core.runner.recording.summary import Summary
+
+CODE = "code of "
+_HASH_LETTERS = 12
+
+
+class Difference(NamedTuple):
+    """A property that two sets of runs depend on and that differs: its name and both values."""
+
+    name: str
+    old: str
+    new: str
+
+    def __str__(self) -> str:
+        return f"another {self.name}: {self.old}, now {self.new}"
+
+    @property
+    def hint(self) -> str:
+        """How to make both the same, empty where that depends."""
+        if self.name != Summary.INSTRUCTION_SET:
+            return ""
+        if self.old == PORTABLE:
+            return f"run without --no-portable, and without {OPT_OUT}=0 in the environment"
+        return "use another folder, without --no-portable: then all machines with AVX2 and FMA make the same runs"
+
+
+def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str]:
+    """Return what to compare before runs are put side by side: by name, a version or a hash.
+
+    ``families``: those of the stages, whose packages are hashed; ``plugins``: one-file plugins.
+    """
+    code = {f"{CODE}{family}": _hash(files) for family in sorted(families) if (files := _files_of(family))}
+    return {**Summary.versions_here(), **code, **{plugin: _hash([Path(plugin)]) for plugin in plugins}}
+
+
+def difference_here(wanted: Mapping[str, str], plugins: Iterable[str]) -> Difference | None:
+    """Return what this process has that is not as ``wanted``, None if nothing is."""
+    families = [name.removeprefix(CODE) for name in wanted if name.startswith(CODE)]
+    return difference(wanted, provenance(families, plugins))
+
+
+def difference(old: Mapping[str, str], new: Mapping[str, str]) -> Difference | None:
+    """Return the first of what both have that is not the same, None if nothing is."""
+    changed = (name for name, value in old.items() if new.get(name, value) != value)
+    return next((Difference(name, old[name], new[name]) for name in changed), None)
+
+
+def _files_of(family: str) -> list[Path]:
+    """Return the Python files of the packages of a family."""
+    files = []
+    for point in entry_points(group=GROUP, name=family):
+        spec = find_spec(point.module.partition(".")[0])
+        if spec is not None and spec.submodule_search_locations:
+            files += [file for folder in spec.submodule_search_locations for file in sorted(Path(folder).rglob("*.py"))]
+        elif spec is not None and spec.origin:
+            files.append(Path(spec.origin))
+    return files
+
+
+def _hash(files: Iterable[Path]) -> str:
+    found = hashlib.sha256()
+    for file in files:
+        try:
+            found.update(hashlib.sha256(file.read_bytes()).digest())
+        except OSError as error:
+            return str(error.strerror)
+    return found.hexdigest()[:_HASH_LETTERS]

@@ -1,0 +1,177 @@
+"""A unit of the engine whose stage lives in another process: messages go to it and come from it as bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any, NamedTuple, Protocol
+
+from graphnav.core.errors import GraphnavError, StageError, failure_line
+from graphnav.core.graph import Channel, Node
+from graphnav.core.runner.stage_calls import StageCalls
+from graphnav.core.runner.unit import I, Unit
+
+Deliver = Callable[[Channel, int, int, bytes], None]
+Record = Callable[[Channel, int, bytes], None]
+
+
+class Encoded:
+    """A message as its bytes, as an input of a stage of another process.
+
+    ``place``: where what feeds such a stage again keeps them, -1 where it does not.
+    """
+
+    __slots__ = ("data", "place")
+
+    def __init__(self, data: bytes) -> None:
+        self.data = data
+        self.place = -1
+
+
+class Done(NamedTuple):
+    """Result of one step of a stage of another process."""
+
+    outputs: tuple[tuple[str, int, bytes], ...] = ()
+    """Messages that it published until it ended or failed: port, stamp and bytes."""
+    outcome: str | None = None
+    """Where a source ended the run."""
+    error: GraphnavError | None = None
+    took_s: float | None = None
+    """None if the step itself failed."""
+    due: int | GraphnavError | None = None
+    """Of a source: when its next firing is due, microseconds, or why that is not known."""
+
+
+class RemoteStage(Protocol):
+    """A stage of another process, as this one calls it."""
+
+    @property
+    def is_done(self) -> bool:
+        """Whether what became of the step that was begun has arrived."""
+
+    def reset(self, run_seed: int) -> None:
+        """Wait until the stage is reset; raises StageError if it cannot be."""
+
+    def begin(self, utime: int, inputs: Mapping[str, Any]) -> None:
+        """Begin a step; messages among the inputs are `Encoded`."""
+
+    def done(self) -> Done:
+        """Wait for the end of the step that was begun."""
+
+    def metrics(self) -> dict[str, float] | None:
+        """Return the metrics of the stage, None if it reports none or its process is gone; raises StageError."""
+
+    def close(self, at_s: float) -> None:
+        """Close the stage, if its process is still there; raises StageError."""
+
+
+class RemoteUnit(Unit[I]):
+    """A stage of another process.
+
+    ``deliver`` gives a message to its readers: channel, stamp of the firing, stamp of the message, bytes; it raises
+    ValueError where the stamp does not fit. ``record`` gives it to the log and the tap: channel, stamp, bytes.
+
+    A step has three parts, so that steps of several processes overlap: `begin`, `deliver` when it `is_done`, and
+    `commit` in the firing order, which records and raises. `step` does all three.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        remote: RemoteStage,
+        inbox: I,
+        deliver: Deliver,
+        record: Record,
+        calls: StageCalls,
+        start_utime: int,
+    ) -> None:
+        super().__init__(node, inbox, start_utime)
+        self._remote, self._deliver, self._record, self._calls = remote, deliver, record, calls
+        self._begun: tuple[int, Mapping[str, Any]] = start_utime, {}
+        self._done = Done()
+        self._n_fired = 0
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the step that was begun has ended."""
+        return self._remote.is_done
+
+    def begin(self, utime: int, inputs: Mapping[str, Any]) -> None:
+        """Begin a step with ``inputs`` by port."""
+        self._begun = utime, inputs
+        self._remote.begin(utime, inputs)
+
+    def waiting(self) -> AbstractContextManager[None]:
+        """Return a context in which other threads see that this one waits for the step that was begun."""
+        return self._noted("step", *self._begun)
+
+    def deliver(self) -> None:
+        """Wait for the end of the step, and give what it published to the stages that read it."""
+        self._done = self._remote.done()
+        stamp = self._begun[0]
+        for place, (port, utime, data) in enumerate(self._done.outputs):
+            try:
+                self._deliver(self.node.outputs[port], stamp, utime, data)
+            except ValueError as error:
+                what = f"output '{port}': {failure_line(error)}"
+                failure = StageError(self.node.name, self.node.use, (stamp - self.start_utime) / 1e6, what)
+                failure.__cause__ = error
+                self._done = self._done._replace(outputs=self._done.outputs[:place], error=failure)
+                break
+
+    def commit(self) -> str | None:
+        """Record what the step published; return the outcome if a source ended the run; raises what it raised."""
+        self.last_utime = self._begun[0]
+        self._n_fired += 1
+        if self._done.took_s is not None:
+            self.durations.add(self._done.took_s)
+        for port, utime, data in self._done.outputs:
+            self._record(self.node.outputs[port], utime, data)
+        if self._done.error is not None:
+            raise self._done.error
+        return self._done.outcome
+
+    def step(self, utime: int, inputs: dict[str, Any], age_s: float = 0.0) -> str | None:  # noqa: ARG002 - 0 in lockstep
+        """Step once with ``inputs`` by port and publish; return the outcome if a source ended the run."""
+        self.begin(utime, inputs)
+        with self.waiting():
+            self.deliver()
+        return self.commit()
+
+    def reset(self, run_seed: int, seed: int) -> None:  # noqa: ARG002 - the other process derives it as this one does
+        """Wait until the stage is reset; raises StageError if it cannot be."""
+        self._n_fired = 0
+        with self._noted("reset", self.start_utime, {}):
+            self._remote.reset(run_seed)
+
+    def due_us(self, firing: int) -> int:
+        """Return when the next firing of a source is due, which came with the end of its step."""
+        assert firing == self._n_fired, "asked after each step for the next one"
+        due = self._done.due
+        if isinstance(due, GraphnavError):
+            raise due
+        assert due is not None, "only sources are asked"
+        return due
+
+    def patience_s(self) -> float:
+        """Return 0: no message of a stage of another process comes later than its stamp in lockstep."""
+        return 0.0
+
+    def metrics(self) -> dict[str, float] | None:
+        """Return the metrics of the stage after a run, None if it reports none or its process is gone."""
+        with self._noted("summary", self.last_utime, {}):
+            return self._remote.metrics()
+
+    def close(self, at_s: float) -> None:
+        """Close the stage; raises StageError if it raises."""
+        with self._noted("close", self.last_utime, {}):
+            self._remote.close(at_s)
+
+    @contextmanager
+    def _noted(self, method: str, utime: int, inputs: Mapping[str, Any]) -> Iterator[None]:
+        """Note for other threads that this one waits for a call into the stage."""
+        self._calls.begin(self.node.name, method, utime, inputs)
+        try:
+            yield
+        finally:
+            self._calls.end()

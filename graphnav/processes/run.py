@@ -1,0 +1,63 @@
+"""Run a graph in lockstep in the processes that it names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from graphnav import Graph, Stage
+from graphnav.core.interrupts import Interrupt
+from graphnav.core.notices import print_notice
+from graphnav.core.runner import Lockstep, RemoteStage, Sink, Spans, StageCalls, Summary, run_recorded
+from graphnav.processes.process_lockstep import ProcessLockstep
+from graphnav.processes.process_stage import ProcessStage
+from graphnav.processes.supervisor import Supervisor
+
+
+def run_processes(
+    graph: Graph,
+    stages: dict[str, Stage],
+    folder: Path,
+    *,
+    notice: Callable[[str], None] = print_notice,
+    supervised: Callable[[Supervisor], None] = lambda _: None,
+    **options: Any,
+) -> Summary:
+    """Run ``graph`` once into ``folder`` as `run_recorded` does, with the stages of `Graph.deploy` in their processes.
+
+    The log has the same bytes as that of one process. ``stages``: those that no process names are stepped here.
+    ``notice`` also gets restarts, and what stages of other processes print. ``supervised`` gets the supervisor before
+    the processes start. ``options``: of `run_recorded`.
+
+    Raises
+    ------
+    GraphnavError
+        The processes cannot be connected.
+    UserError
+        The folder cannot be written.
+    CtrlC
+        The user asked for the end before the stages were wired, or after the run had reached its own.
+    """
+    with closing(Supervisor(graph, folder.absolute(), notice)) as supervisor:
+        supervised(supervisor)
+        remote: Mapping[str, RemoteStage] = {
+            node.name: ProcessStage(process, place, supervisor)
+            for process in supervisor.processes.values()
+            for place, node in enumerate(process.nodes)
+        }
+
+        def make_lockstep(
+            graph: Graph,
+            stages: Mapping[str, Stage],
+            sinks: Sequence[Sink],
+            spans: Spans | None,
+            calls: StageCalls,
+            interrupt: Interrupt,
+        ) -> Lockstep:
+            supervisor.is_asked_to_stop = lambda: interrupt.asked
+            supervisor.start()
+            return ProcessLockstep(graph, {**stages, **remote}, sinks, spans, calls, supervisor)
+
+        return run_recorded(graph, stages, folder, notice=notice, make_lockstep=make_lockstep, **options)

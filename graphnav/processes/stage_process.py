@@ -1,0 +1,172 @@
+"""A process of stages, as the run sees it: what it is asked, one thing at a time, and how it is given all again."""
+
+from __future__ import annotations
+
+import select
+import socket
+from collections import deque
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from typing import Any
+
+from graphnav import GraphnavError
+from graphnav.core.graph import Node, Part
+from graphnav.core.runner import Encoded
+from graphnav.processes.frames import Frame, Kind, receive, send
+from graphnav.processes.journal import Journal
+from graphnav.processes.step_frames import digest_of
+
+
+class Request:
+    """A frame that the process is sent, and its answer.
+
+    ``digest``: of the answer that is expected, where the process is given a step again.
+    """
+
+    __slots__ = ("answer", "digest", "head", "kind", "messages")
+
+    def __init__(self, kind: Kind, head: Any, messages: Sequence[Encoded] = (), digest: int | None = None) -> None:
+        self.kind, self.head, self.messages, self.digest = kind, head, messages, digest
+        self.answer: Frame | None = None
+
+    @property
+    def frame(self) -> Frame:
+        """The frame that is sent."""
+        return Frame(self.kind, self.head, tuple(message.data for message in self.messages))
+
+
+class StageProcess:
+    """The stages ``nodes`` in a process of their own, which is one process after another where it is started again.
+
+    It answers one request before it is sent the next one, so that neither side ever waits for the other to read.
+    ``setup``: the head of its first frame. ``journal``: keeps its steps, None where it is never started again.
+    """
+
+    def __init__(self, part: Part, nodes: Sequence[Node], setup: Any, journal: Journal | None) -> None:
+        self.part, self.nodes = part, nodes
+        self.failure = ""
+        """Why it is down for good, in a sentence that begins with "its process"; empty while it is not."""
+        self.hint = ""
+        self.link: socket.socket | None = None
+        self.is_interrupted = False
+        """Whether a step of it was broken off, after which its stages are only asked for metrics and closed."""
+        self._setup, self._journal = setup, journal
+        self._reset: Request | None = None
+        self._first: Iterator[Request] = iter(())
+        self._pending: deque[Request] = deque()
+        self._current: Request | None = None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has something to answer."""
+        return self._current is not None or bool(self._pending)
+
+    @property
+    def is_down(self) -> bool:
+        """Whether it is gone and is not started again."""
+        return bool(self.failure)
+
+    def post(self, kind: Kind, head: Any, messages: Sequence[Encoded] = ()) -> Request:
+        """Ask for something; the answer comes with `read`, unless the process is down."""
+        request = Request(kind, head, messages)
+        if not self.is_down:
+            self._pending.append(request)
+            self._send_next()
+        return request
+
+    def ordered_reset(self, seed: int) -> Request:
+        """Return the request that resets all stages by the seed of the run, which is made once."""
+        if self._reset is None or self._reset.head != seed:
+            self._reset = self.post(Kind.RESET, seed)
+        return self._reset
+
+    def connected(self, link: socket.socket) -> None:
+        """Take the connection of a process that has just started, and give it all that the one before had."""
+        self.link = link
+        self._first = self._again()
+        self._send_next()
+
+    def read(self) -> None:
+        """Take the answer that has arrived, and send what is next.
+
+        Raises
+        ------
+        EOFError, OSError, ValueError
+            The process is gone, or sends something else.
+        GraphnavError
+            It cannot be brought to where the run is: what it answers is not what it answered before.
+        """
+        assert self.link is not None, "it is connected"
+        answer = receive(self.link)
+        request, self._current = self._current, None
+        if request is None or answer.kind != Kind.ANSWER:
+            raise ValueError("it answers what it was not asked")
+        if request.kind == Kind.SETUP:
+            if answer.head is not None:
+                raise GraphnavError(answer.head)
+        elif request.digest is not None:
+            self._compare(request, answer)
+        else:
+            self._take(request, answer)
+        self._send_next()
+
+    def has_answered(self) -> bool:
+        """Whether an answer, or a part of it, is there to be read."""
+        return self.link is not None and bool(select.select([self.link], [], [], 0)[0])
+
+    def disconnected(self) -> None:
+        """Note that the process has ended: what it has not answered is asked again of the next one."""
+        if self.link is not None:
+            self.link.close()
+            self.link = None
+        if self._current is not None and self._current.kind != Kind.SETUP and self._current.digest is None:
+            self._pending.appendleft(self._current)
+        self._current = None
+
+    def give_up(self, why: str, hint: str = "") -> None:
+        """Note that it is not started again."""
+        self.failure, self.hint = why, hint
+        self._pending.clear()
+        self._current = None
+
+    def drop_pending(self) -> None:
+        """Forget what it was not sent yet."""
+        self._pending.clear()
+
+    def _take(self, request: Request, answer: Frame) -> None:
+        request.answer = answer
+        if request.kind == Kind.FIRE and self._journal is not None:
+            self._journal.keep(self.part.name, request.head, request.messages, digest_of(answer))
+
+    def _compare(self, request: Request, answer: Frame) -> None:
+        if request.kind == Kind.RESET:
+            if answer.head["error"] is not None:
+                raise GraphnavError("its stages can be reset only once")
+        elif digest_of(answer) != request.digest:
+            stage = self.nodes[request.head[0]].name
+            raise GraphnavError(
+                f"stage '{stage}' did not publish the same when it was given the same again: what it does depends on "
+                "more than its parameters, seed and inputs"
+            )
+
+    def _again(self) -> Iterator[Request]:
+        """Yield what a new process is sent first: the set-up, and where it is not the first one all steps again."""
+        yield Request(Kind.SETUP, self._setup)
+        if self._reset is None or self._reset.answer is None:
+            return
+        yield Request(Kind.RESET, self._reset.head, digest=0)
+        if self._journal is not None:
+            for given in self._journal.steps(self.part.name):
+                yield Request(Kind.FIRE, given.head, [Encoded(data) for data in given.messages], given.digest)
+
+    def _send_next(self) -> None:
+        if self.link is None or self._current is not None:
+            return
+        request = next(self._first, None)
+        if request is None and self._pending:
+            request = self._pending.popleft()
+        if request is None:
+            return
+        self._current = request
+        with suppress(OSError):  # it has ended, which is noticed when it is waited for
+            send(self.link, request.frame)

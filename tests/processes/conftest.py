@@ -1,0 +1,147 @@
+"""Graphs of stages that count, run in one process and in several."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from graphnav.core.catalog import Catalog
+from graphnav.core.errors import GraphnavError
+from graphnav.core.graph import Graph, Part, graph_of
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import Summary, run_recorded
+from graphnav.processes.run import run_processes
+from graphnav.processes.supervisor import Supervisor
+
+STAGES = Path(__file__).parent / "stages.py"
+PATIENCE_S = 60.0
+"""Longer than anything takes on a busy machine."""
+
+STEPS = """
+run: {{until_s: 3, seed: 5}}
+stages:
+  clock: {{use: steps.count, with: {{n: 25, rate_hz: 10}}, in: {{heard: second.sum}}}}
+  fast: {{use: steps.count, with: {{n: 1000, every_us: 33000}}}}
+  even: {{use: steps.count, with: {{n: 1000, rate_hz: 5}}}}
+  first: {{use: steps.pass, in: {{one: clock}}, with: {first}}}
+  second: {{use: steps.add, in: {{one: first, old: third, others: fast}}}}
+  third: {{use: steps.pass, in: {{one: second.sum}}, with: {third}}}
+  slow: {{use: steps.add, with: {{takes_ms: 1}}, in: {{one: clock, old: second.late, others: second.late}}}}
+  open: {{use: steps.add, in: {{one: third}}}}
+  both: {{use: steps.both, in: {{one: even, two: open.sum}}}}
+{more}{deploy}
+"""
+"""Irregular sources, loops, messages with stamps of their own, inputs that are open and joins that stay incomplete."""
+
+
+class Ran:
+    """Remains of a run: its log, its summary, the errors that it ended with, and what it told."""
+
+    def __init__(self, folder: Path, summary: Summary, errors: list[GraphnavError], notices: list[str]) -> None:
+        self.folder, self.summary, self.errors, self.notices = folder, summary, errors, notices
+        self.log = (folder / RunFolder.LOG).read_bytes()
+
+    def agrees_with(self, other: Ran) -> bool:
+        """Whether log, outcome, errors, metrics and counts are the same."""
+        return self.log == other.log and self._told == other._told
+
+    @property
+    def _told(self) -> object:
+        counts = {name: (did.steps, did.dropped) for name, did in self.summary.stages.items()}
+        return self.summary.outcome, self.summary.failure, self.summary.scores, self.summary.frames, counts
+
+
+Runs = Callable[..., Ran]
+
+
+def steps_graph(tmp_path: Path, deploy: str = "", first: str = "{}", third: str = "{}", more: str = "") -> Graph:
+    """Return the graph of the stages that count, with ``more`` lines of stages."""
+    text = STEPS.format(deploy=deploy, first=first, third=third, more=more)
+    catalog = Catalog().add_files([STAGES])
+    return replace(graph_of(text.encode(), tmp_path / "steps.yaml", catalog), plugins=(STAGES,))
+
+
+def restarted(graph: Graph) -> Graph:
+    """Return the graph with processes that are started again at once, as often as they end."""
+    parts = graph.deploy.values()
+    policy = {"restart": "on_failure", "max_restarts": 100, "restart_delay_s": 0.0}
+    return replace(graph, deploy={p.name: Part(p.name, p.stages, **policy) for p in parts})  # type: ignore[arg-type]
+
+
+def is_alive(pid: int) -> bool:
+    """Whether a process exists and has not ended."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][0] != "Z"
+    except OSError:
+        return False
+
+
+def wait_until(holds: Callable[[], bool]) -> None:
+    """Wait for a condition."""
+    end_s = time.monotonic() + PATIENCE_S
+    while not holds():
+        assert time.monotonic() < end_s
+        time.sleep(0.005)
+
+
+def processes_of(probe: str) -> list[int]:
+    """Return the living processes with a variable ``PROBE`` of this value in their environment."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            variables = path.read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if f"PROBE={probe}".encode() in variables and is_alive(pid := int(path.parent.name)):
+            found.append(pid)
+    return found
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> Runs:
+    """Return what runs a graph in one process, or in several where it names some.
+
+    ``kills``: names by stamp, s.
+
+    ``killed`` is called after each.
+    """
+    n_runs = 0
+
+    def run(
+        graph: Graph, kills: dict[float, str] | None = None, killed: Callable[[Supervisor], None] = lambda _: None
+    ) -> Ran:
+        nonlocal n_runs
+        n_runs += 1
+        folder = tmp_path / f"run{n_runs}"
+        folder.mkdir()
+        errors: list[GraphnavError] = []
+        notices: list[str] = []
+        given: list[Supervisor] = []
+        left = dict(kills or {})
+
+        def on_tick(utime: int) -> None:
+            for at_s in [at_s for at_s in left if at_s * 1e6 <= utime]:
+                kill(given[0], left.pop(at_s))
+                killed(given[0])
+
+        options: dict[str, Any] = {"on_tick": on_tick, "on_failure": errors.append, "notice": notices.append}
+        if graph.deploy:
+            summary = run_processes(graph, graph.make_stages(), folder, supervised=given.append, **options)
+        else:
+            summary = run_recorded(graph, graph.make_stages(), folder, **options)
+        return Ran(folder, summary, errors, notices)
+
+    return run
+
+
+def kill(supervisor: Supervisor, name: str) -> None:
+    """Kill a process of a run, unless it is just being started again."""
+    if pid := supervisor.pid_of(name):
+        os.kill(pid, signal.SIGKILL)

@@ -1,0 +1,60 @@
+"""A run in several processes has the log of one process, byte for byte, and fails as it does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph
+from tests.processes.conftest import Runs, steps_graph
+
+PARTS = "deploy: {left: {stages: [clock, second, open]}, right: {stages: [fast, third]}}"
+OTHER_PARTS = "deploy: {one: {stages: [slow, first, even]}, other: {stages: [both]}}"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "until_s"), [("corridor_ccw", 1.5), ("pillars", 1.0), ("navigate", 1.5)])
+def test_shipped_graphs_with_a_process_for_each_stage(runs: Runs, name: str, until_s: float) -> None:
+    graph = load_graph(name, Catalog())
+    graph = replace(graph, run=replace(graph.run, until_s=until_s))
+    in_one, in_many = runs(graph), runs(graph.with_processes())
+    assert in_many.agrees_with(in_one)
+    assert len(in_many.summary.processes or ()) == len(graph.nodes)
+
+
+@pytest.mark.parametrize("deploy", [PARTS, OTHER_PARTS], ids=["sources-apart", "sources-here"])
+def test_some_stages_in_two_processes_and_the_others_here(runs: Runs, tmp_path: Path, deploy: str) -> None:
+    in_one = runs(steps_graph(tmp_path))
+    assert in_one.summary.outcome == "goal"
+    assert in_one.summary.stages["both"].dropped > 0
+    assert runs(steps_graph(tmp_path, deploy)).agrees_with(in_one)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"first": "{at: 7, what: fail}"},
+        {"third": "{at: 7, what: fail}"},
+        {"third": "{at: 3, what: nan}"},
+        {"first": "{what: fail}", "third": "{what: fail}"},
+        {"first": "{what: close}", "third": "{what: close}"},
+        {"more": "  last: {use: steps.pass, in: {one: second.late}}\n"},
+    ],
+    ids=["step-here", "step", "not-finite", "reset", "close", "own-stamp"],
+)
+def test_a_stage_fails_as_in_one_process(runs: Runs, tmp_path: Path, options: Mapping[str, str]) -> None:
+    in_one, in_many = runs(steps_graph(tmp_path, **options)), runs(steps_graph(tmp_path, PARTS, **options))
+    assert in_one.summary.outcome == "failed"
+    assert in_many.agrees_with(in_one)
+    assert list(map(str, in_many.errors)) == list(map(str, in_one.errors))
+    assert [error.__cause__ is None for error in in_many.errors] == [e.__cause__ is None for e in in_one.errors]
+
+
+def test_what_a_stage_prints_is_shown_with_the_name_of_its_process_and_kept(runs: Runs, tmp_path: Path) -> None:
+    ran = runs(steps_graph(tmp_path, PARTS, third="{at: 2, what: print}"))
+    assert ran.notices == ["[right] step 2\x1b[2J"]
+    assert (ran.folder / "processes" / "right.txt").read_text() == "step 2\x1b[2J\n"

@@ -1,0 +1,66 @@
+"""Frames arrive as they were sent, and nothing else is taken for one."""
+
+from __future__ import annotations
+
+import os
+import socket
+import struct
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from graphnav.processes.frames import Frame, Kind, receive, send
+from graphnav.processes.peers import peer_of
+
+
+@pytest.fixture
+def links() -> Iterator[tuple[socket.socket, socket.socket]]:
+    """Return two ends of a connection."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+    with ours, theirs:
+        yield ours, theirs
+
+
+@pytest.mark.parametrize(
+    "messages",
+    [(), (b"",), (b"a", b"", b"bc"), (bytes(3_000_000), b"x", bytes(70_000)), (b"m" * 100,) * 2000],
+    ids=["none", "empty", "small", "large", "many"],
+)
+def test_a_frame_arrives_as_it_was_sent(
+    links: tuple[socket.socket, socket.socket], messages: tuple[bytes, ...]
+) -> None:
+    frame = Frame(Kind.FIRE, [3, 1_000_000, [None, [0.1 + 0.2, True], []]], messages)
+    sender = threading.Thread(target=send, args=(links[0], frame))
+    sender.start()
+    assert receive(links[1]) == frame
+    sender.join()
+
+
+def test_the_end_of_the_other_side_is_told(links: tuple[socket.socket, socket.socket]) -> None:
+    links[0].sendall(struct.pack("=I", 100) + b"begun")
+    links[0].close()
+    with pytest.raises(EOFError):
+        receive(links[1])
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        struct.pack("=I", 2**31),
+        struct.pack("=I", 3),
+        struct.pack("=IBII", 11, 2, 4_000_000, 0) + b"{}",
+        struct.pack("=IBII", 11, 2, 2, 1_000_000) + b"{}",
+        struct.pack("=IBIII", 17, 2, 2, 1, 9) + b"{}aa",
+        struct.pack("=IBII", 11, 2, 2, 0) + b"{,",
+    ],
+    ids=["long", "short", "head", "number", "size", "json"],
+)
+def test_what_is_no_frame_is_refused(links: tuple[socket.socket, socket.socket], data: bytes) -> None:
+    links[0].sendall(data)
+    with pytest.raises(ValueError, match=r"frame|Expecting"):
+        receive(links[1])
+
+
+def test_the_other_side_is_known(links: tuple[socket.socket, socket.socket]) -> None:
+    assert peer_of(links[0]) == (os.getpid(), os.getuid())
