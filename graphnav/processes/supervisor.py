@@ -43,6 +43,10 @@ class Running:
         self.popen, self.mark, self.output = popen, mark, output
         self.pid_fd = os.pidfd_open(popen.pid)
 
+    def has_ended_within(self, seconds: float) -> bool:
+        """Wait for its end; it is not collected, so that its group is still its own."""
+        return bool(select.select([self.pid_fd], [], [], seconds)[0])
+
 
 class Supervisor:
     """Owns the processes of a run; one thread uses it, the one that steps the stages.
@@ -154,8 +158,7 @@ class Supervisor:
                 process.disconnected()
             end_s = time.monotonic() + _END_S
             for running in self._running.values():
-                with suppress(subprocess.TimeoutExpired):
-                    running.popen.wait(max(0.0, end_s - time.monotonic()))
+                running.has_ended_within(max(0.0, end_s - time.monotonic()))
         finally:
             with ctrl_c_later():
                 for name in list(self._running):
@@ -180,6 +183,12 @@ class Supervisor:
         return StageProcess(part, nodes, setup, self._journal if part.restart != "never" else None)
 
     def _start(self, name: str) -> None:
+        try:
+            self._started(name)
+        except OSError as error:
+            self.processes[name].give_up(f"its process '{name}' cannot be started: {error.strerror or error}")
+
+    def _started(self, name: str) -> None:
         self._epochs[name] += 1
         mark = f"{self._run}/{name}/{self._epochs[name]}"
         marks = " ".join(filter(None, (os.environ.get(VARIABLE), mark)))
@@ -219,9 +228,8 @@ class Supervisor:
             process.read()
         except (EOFError, OSError):
             self._unregister(process)
-            with suppress(subprocess.TimeoutExpired):  # it may take a moment to end
-                self._running[name].popen.wait(_END_S)
-            self._running[name].popen.kill()
+            if not self._running[name].has_ended_within(_END_S):  # only its side of the connection has
+                self._running[name].popen.kill()
         except ValueError as error:
             self._end(name, f"its process '{name}' failed: {error}")
         except GraphnavError as error:

@@ -21,6 +21,8 @@ from graphnav.processes.run import run_processes
 from graphnav.processes.supervisor import Supervisor
 
 STAGES = Path(__file__).parent / "stages.py"
+LATE_ANSWERS = Path(__file__).parent / "late_answers.py"
+"""A plugin with which a process answers each time after a random while."""
 PATIENCE_S = 60.0
 """Longer than anything takes on a busy machine."""
 

@@ -82,6 +82,7 @@ class Pass(Stage):
     at: int = param(0, ge=0, doc="the step at which it happens, 0 for the reset")
     what: str = param("nothing", doc="what happens then")
     file: str = param("", doc="a file that it writes")
+    other: str = param("", doc="a file that it waits for")
 
     def reset(self, seed: int) -> None:
         self._n = 0
@@ -110,6 +111,10 @@ class Pass(Stage):
         if self.what == "once" and not Path(self.file).exists():
             Path(self.file).touch()
             os._exit(0)
+        if self.what == "meet":
+            Path(self.file).touch()
+            while not Path(self.other).exists():
+                time.sleep(0.001)
         if self.what == "print":
             print(f"step {self._n}\x1b[2J")
         if self.what == "hang":

@@ -10,7 +10,7 @@ import pytest
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import load_graph
-from tests.processes.conftest import Runs, steps_graph
+from tests.processes.conftest import LATE_ANSWERS, STAGES, Runs, steps_graph
 
 PARTS = "deploy: {left: {stages: [clock, second, open]}, right: {stages: [fast, third]}}"
 OTHER_PARTS = "deploy: {one: {stages: [slow, first, even]}, other: {stages: [both]}}"
@@ -32,6 +32,19 @@ def test_some_stages_in_two_processes_and_the_others_here(runs: Runs, tmp_path: 
     assert in_one.summary.outcome == "goal"
     assert in_one.summary.stages["both"].dropped > 0
     assert runs(steps_graph(tmp_path, deploy)).agrees_with(in_one)
+
+
+def test_stages_that_do_not_wait_for_each_other_step_side_by_side(runs: Runs, tmp_path: Path) -> None:
+    files = tmp_path / "one", tmp_path / "other"
+    first, last = (f"{{at: 2, what: meet, file: {mine}, other: {its}}}" for mine, its in (files, files[::-1]))
+    more = f"  last: {{use: steps.pass, in: {{one: clock}}, with: {last}}}\n"
+    deploy = "deploy: {left: {stages: [first]}, right: {stages: [last]}}"
+    assert runs(steps_graph(tmp_path, deploy, first=first, more=more)).summary.outcome == "goal"
+
+
+def test_answers_that_come_late_and_in_any_order_change_nothing(runs: Runs, tmp_path: Path) -> None:
+    in_one, graph = runs(steps_graph(tmp_path)), steps_graph(tmp_path).with_processes()
+    assert runs(replace(graph, plugins=(STAGES, LATE_ANSWERS))).agrees_with(in_one)
 
 
 @pytest.mark.parametrize(
