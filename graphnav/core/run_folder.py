@@ -14,6 +14,8 @@ class RunFolder:
     PLUGINS = "plugins"
     """The folder of the copies of its one-file plugins."""
     SUMMARY = "summary.json"
+    PRINTED = "printed.txt"
+    """All that a detached run printed."""
     OUTPUT = "processes"
     """The folder of what the stages of other processes printed."""
 

@@ -1,4 +1,8 @@
 """Runs in several processes: stages in children, which are watched over, restarted, and ended with the run."""
 
-COMMANDS: dict[str, str] = {}
+COMMANDS = {
+    "ps": "list the runs that are running, and the processes of their stages",
+    "logs": "print what a running or ended run printed",
+    "stop": "end a run that is running",
+}
 """Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""

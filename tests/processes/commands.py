@@ -39,8 +39,7 @@ class Command:
     @property
     def warden(self) -> int | None:
         """The living warden."""
-        found = [pid for pid in self.others if b"warden.py" in Path(f"/proc/{pid}/cmdline").read_bytes()]
-        return found[0] if found else None
+        return next(filter(_is_warden, self.others), None)
 
     def gone_after_s(self) -> float:
         """Wait until no process is left; return how long that took."""
@@ -52,3 +51,10 @@ class Command:
         """Kill the command alone."""
         self.process.kill()
         self.process.wait()
+
+
+def _is_warden(pid: int) -> bool:
+    try:
+        return b"warden.py" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:  # it has just ended
+        return False

@@ -25,6 +25,7 @@ from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome
 from graphnav.core.runner.recording.full_log import FullLog
 from graphnav.core.runner.recording.run_recorded import new_run_id
+from graphnav.core.runner.recording.running_file import RunningFile
 from graphnav.core.spec import RecordOption
 from graphnav.core.tap import open_tap
 from graphnav.core.trust import Trust
@@ -105,7 +106,7 @@ def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *
     errors: list[GraphnavError] = []
     run_id = new_run_id()
     with FullLog() as full:
-        with one_thread():
+        with one_thread(), RunningFile(run_id, graph.path.stem, kept.path, is_live=is_live):
             summary = execute(
                 graph,
                 stages,

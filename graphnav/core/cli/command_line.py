@@ -36,6 +36,9 @@ COMMANDS = {
 
 _ORDER = (
     "run",
+    "ps",
+    "logs",
+    "stop",
     "ablate",
     "tune",
     "check",

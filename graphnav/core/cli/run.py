@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from functools import partial
 from pathlib import Path
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
         help="end the run if one call into a stage takes longer than S seconds of wall time (default: never)",
     ),
     Shared.RECORD,
+    flag("detach", "-d --detach", "return at once; see 'graphnav ps', 'logs' and 'stop'"),
     flag("video", "--video", "also draw video.mp4"),
     flag("no_pictures", "--no-pictures", "do not draw pictures; 'graphnav figure' can draw them later"),
     Options.JSON.but(help="print the summary as JSON instead of text"),
@@ -69,9 +71,11 @@ def main(args: CommandArguments) -> int:
     is_live = runs_live(graph, **mode, option="--")
     graph = graph.with_processes() if args.processes else graph
     live_notice = _live_notice(args, graph) if is_live else ""
-    stages = graph.make_stages()
-    console, run_id = Console(stderr=args.json, highlight=False, soft_wrap=True), new_run_id()
+    stages, run_id = graph.make_stages(), new_run_id()
     folder = make_run_folder(args.folder, graph.path.stem)
+    if args.detach and _is_left_behind(folder, run_id):
+        return Exit.OK
+    console = Console(stderr=args.json, highlight=False, soft_wrap=True)
     with FullLog() as full, removed_if_empty(folder):
         for notice in (*args.notices_of(graph), *([live_notice] if is_live else [])):
             console.print(notice, markup=False)
@@ -93,6 +97,24 @@ def main(args: CommandArguments) -> int:
         files = _draw(args, catalog, summary, folder, full)
     console.print(_listing(folder, files, console.width if console.is_terminal else None), markup=False)
     return {"failed": Exit.FAILED, "stopped": Exit.INTERRUPTED}.get(summary.outcome, Exit.OK)
+
+
+def _is_left_behind(folder: Path, run_id: str) -> bool:
+    """Go on in another process, whose output goes into a file of the folder; return whether this is the one before.
+
+    No thread and no connection exists yet.
+    """
+    from graphnav.core.run_folder import RunFolder
+
+    printed = os.open(folder / RunFolder.PRINTED, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+    if os.fork():
+        print(f"run {run_id} in {shown_name(str(folder))}\n  graphnav logs -f {run_id}\n  graphnav stop {run_id}")
+        return True
+    os.setsid()
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    for fd, end in ((nothing, 0), (printed, 1), (printed, 2)):
+        os.dup2(fd, end)
+    return False
 
 
 def _draw(args: CommandArguments, catalog: Catalog, summary: Summary, folder: Path, full: FullLog) -> list[str]:
@@ -152,6 +174,7 @@ def _run(
     from graphnav.core.api.execute import execute
     from graphnav.core.cli.progress import progress_bar
     from graphnav.core.machine.console import Console
+    from graphnav.core.runner.recording.running_file import RunningFile
     from graphnav.core.runner.recording.stall import StallLimit
 
     bar = Console(stderr=True)
@@ -164,7 +187,8 @@ def _run(
         sys.stdout.flush()
         sys.stderr.flush()
 
-    with progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick:
+    running = RunningFile(run_id, graph.path.stem, folder, is_live=is_live)
+    with running, progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick:
         return execute(
             graph,
             stages,

@@ -13,6 +13,7 @@ from .recording.progress_file import ProgressFile
 from .recording.provenance import CODE, Difference, difference, difference_here, provenance
 from .recording.recorded_run import Failures, Measured, RecordedRun
 from .recording.run_recorded import LiveSink, about_of, new_run_id, run_recorded
+from .recording.running_file import RunningFile, RunningRun
 from .recording.saved_graph import remember_copies
 from .recording.stall import StallLimit
 from .recording.summary import Summary
@@ -44,6 +45,8 @@ __all__ = [
     "RecordedRun",
     "RemoteStage",
     "RemoteUnit",
+    "RunningFile",
+    "RunningRun",
     "Sink",
     "Spans",
     "StageCalls",

@@ -1,0 +1,107 @@
+"""Note a run in the user's state folder while it lasts, so that it can be listed, read and stopped."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import time
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Self
+
+from graphnav.core.machine.files import read_json
+from graphnav.core.machine.user_folders import user_folder
+
+_FOLDER = "running"
+
+
+@dataclass(frozen=True)
+class RunningRun:
+    """A run that a process of this user makes."""
+
+    run_id: str
+    pid: int
+    graph: str
+    folder: Path
+    is_live: bool
+    started_s: float
+    """Unix time."""
+
+    @property
+    def is_running(self) -> bool:
+        """Whether it still runs."""
+        path = _path(self.run_id)
+        return path is not None and _is_locked(path)
+
+    @staticmethod
+    def all() -> list[RunningRun]:
+        """Return all runs of this user on this machine, the oldest first; forget those whose process died."""
+        folder = _folder()
+        found = []
+        for path in () if folder is None else folder.glob("*.json"):
+            if not _is_locked(path):
+                with suppress(OSError):
+                    path.unlink()
+                continue
+            with suppress(OSError, ValueError, TypeError, KeyError):
+                said = read_json(path)
+                found.append(RunningRun(**{**said, "folder": Path(said["folder"])}))
+        return sorted(found, key=lambda run: run.started_s)
+
+
+class RunningFile:
+    """A context in which a run is noted; where the user has no state folder, it is not."""
+
+    def __init__(self, run_id: str, graph: str, folder: Path, *, is_live: bool) -> None:
+        self._run = RunningRun(run_id, os.getpid(), graph, folder.absolute(), is_live, time.time())
+        self._fd = -1
+
+    def __enter__(self) -> Self:
+        with suppress(OSError):
+            self._write()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        path = _path(self._run.run_id)
+        if self._fd >= 0 and path is not None:
+            with suppress(OSError):
+                path.unlink()
+            os.close(self._fd)
+
+    def _write(self) -> None:
+        path = _path(self._run.run_id)
+        if path is None:
+            return
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
+        try:
+            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.write(fd, json.dumps({**asdict(self._run), "folder": str(self._run.folder)}).encode())
+        except OSError:
+            os.close(fd)
+            raise
+        self._fd = fd
+
+
+def _folder() -> Path | None:
+    state = user_folder("XDG_STATE_HOME")
+    return None if state is None else state / _FOLDER
+
+
+def _path(run_id: str) -> Path | None:
+    folder = _folder()
+    return None if folder is None else folder / f"{run_id}.json"
+
+
+def _is_locked(path: Path) -> bool:
+    """Return whether the process that wrote a file still runs."""
+    try:
+        with path.open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
