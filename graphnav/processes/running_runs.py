@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav import UserError
-from graphnav.core.errors import did_you_mean
+from graphnav import UserError, did_you_mean
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import RunningRun
 from graphnav.processes.warden import marks_of

@@ -12,7 +12,8 @@ from graphnav.core.parameters import command
 @command(Options.JSON.but(help="print JSON, for programs"))
 def main(args: CommandArguments) -> int:
     """Run the command."""
-    from graphnav.core.errors import shown_name, shown_path
+    from graphnav import shown_path
+    from graphnav.core.errors import shown_name
     from graphnav.core.machine import Console
     from graphnav.core.runner import RunningRun
     from graphnav.core.tables import Column, Table

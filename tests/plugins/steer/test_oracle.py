@@ -147,9 +147,10 @@ def test_missing_map_and_missing_goal_are_said() -> None:
 def test_swapped_in_it_nears_the_goal_of_a_map_that_ships(graph: str) -> None:
     sets = ["steer=steer.oracle", "steer.in.map=robot.map", "run.seed=7"]
     loaded = load_graph(graph, Catalog(), [*map(Override.parse, sets)])
-    lockstep = Lockstep(loaded, loaded.make_stages(), [])
+    stages = loaded.make_stages()
+    lockstep = Lockstep(loaded, stages, [])
     lockstep.reset(7)
     for _ in range(40):
         assert lockstep.tick() is None
-    assert lockstep.engine.units["drive"].stage.summary()["path_length_m"] > 0.8
+    assert stages["drive"].summary()["path_length_m"] > 0.8
     lockstep.engine.close()
