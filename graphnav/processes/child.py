@@ -8,7 +8,7 @@ import signal
 import socket
 import sys
 
-from graphnav.processes.peers import peer_of
+from graphnav.processes.descriptors import peer_of
 
 _PR_SET_PDEATHSIG = 1
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from graphnav import GraphnavError
-from graphnav.core.runner import Encoded
+from graphnav.core.runner import LOOK_BYTES, Encoded, is_nearly_full
 
 _SIZE = struct.Struct("=I")
 _BUFFER_BYTES = 1 << 20
@@ -31,13 +32,14 @@ class Given(NamedTuple):
 class Journal:
     """A file without a name on the disk of a run folder, which is gone with this process, however that ends.
 
-    A message is in it once, whatever number of stages read it. If the disk takes no more, ``fault`` says why, and
-    nothing can be given again.
+    A message is in it once, whatever number of stages read it. If the disk takes no more, or is nearly full, ``fault``
+    says why, and nothing can be given again.
     """
 
     def __init__(self, folder: Path) -> None:
         self.fault = ""
-        self._n_bytes = 0
+        self._folder = folder
+        self._n_bytes = self._looked_bytes = 0
         self._steps: dict[str, array[int]] = {}
         """Where the steps of each process are in the file."""
         self._file: io.BufferedWriter | None = None
@@ -61,10 +63,10 @@ class Journal:
             self._steps.setdefault(process, array("Q")).append(self._write(_SIZE.pack(len(said)) + said))
         except OSError as error:
             self._give_up(error)
-
-    def n_steps(self, process: str) -> int:
-        """Return how many steps of a process were kept."""
-        return len(self._steps.get(process, ()))
+        if self._n_bytes - self._looked_bytes >= LOOK_BYTES:
+            self._looked_bytes = self._n_bytes
+            if is_nearly_full(self._folder):
+                self._give_up(OSError(errno.ENOSPC, "the disk is nearly full"))
 
     def steps(self, process: str) -> Iterator[Given]:
         """Yield the steps of a process in their order; raises GraphnavError where they cannot be read."""

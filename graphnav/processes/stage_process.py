@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import select
 import socket
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -12,6 +11,7 @@ from typing import Any
 from graphnav import GraphnavError
 from graphnav.core.graph import Node, Part
 from graphnav.core.runner import Encoded
+from graphnav.processes.descriptors import is_readable
 from graphnav.processes.frames import Frame, Kind, receive, send
 from graphnav.processes.journal import Journal
 from graphnav.processes.step_frames import digest_of
@@ -112,7 +112,7 @@ class StageProcess:
 
     def has_answered(self) -> bool:
         """Whether an answer, or a part of it, is there to be read."""
-        return self.link is not None and bool(select.select([self.link], [], [], 0)[0])
+        return self.link is not None and is_readable(self.link.fileno())
 
     def disconnected(self) -> None:
         """Note that the process has ended: what it has not answered is asked again of the next one."""

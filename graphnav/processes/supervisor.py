@@ -22,9 +22,9 @@ from graphnav.core.machine import ONE_THREAD
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import CODE, new_run_id, provenance
 from graphnav.processes import child
+from graphnav.processes.descriptors import is_readable, peer_of
 from graphnav.processes.journal import Journal
 from graphnav.processes.output_lines import OutputLines
-from graphnav.processes.peers import peer_of
 from graphnav.processes.restarts import Restarts, ending
 from graphnav.processes.stage_process import StageProcess
 from graphnav.processes.warden import VARIABLE, end_marked, remove_folder
@@ -45,7 +45,7 @@ class Running:
 
     def has_ended_within(self, seconds: float) -> bool:
         """Wait for its end; it is not collected, so that its group is still its own."""
-        return bool(select.select([self.pid_fd], [], [], seconds)[0])
+        return is_readable(self.pid_fd, seconds)
 
 
 class Supervisor:

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import graphnav
 from graphnav.core.catalog import Catalog
+from graphnav.core.errors import UserError
 from graphnav.core.graph import load_graph
-from tests.processes.conftest import LATE_ANSWERS, STAGES, Runs, steps_graph
+from graphnav.core.run_folder import RunFolder
+from tests.processes.conftest import LATE_ANSWERS, STAGES, STEPS, Runs, steps_graph
 
 PARTS = "deploy: {left: {stages: [clock, second, open]}, right: {stages: [fast, third]}}"
 OTHER_PARTS = "deploy: {one: {stages: [slow, first, even]}, other: {stages: [both]}}"
@@ -32,6 +36,20 @@ def test_some_stages_in_two_processes_and_the_others_here(runs: Runs, tmp_path: 
     assert in_one.summary.outcome == "goal"
     assert in_one.summary.stages["both"].dropped > 0
     assert runs(steps_graph(tmp_path, deploy)).agrees_with(in_one)
+
+
+def test_from_python_every_stage_gets_a_process(tmp_path: Path) -> None:
+    path = tmp_path / "steps.yaml"
+    path.write_text(STEPS.format(deploy="", first="{}", third="{}", more=""))
+    options: dict[str, Any] = {"plugins": [STAGES], "pictures": False}
+    in_one, in_many = (graphnav.run(path, processes=processes, **options) for processes in (False, True))
+    assert (in_many.folder / RunFolder.LOG).read_bytes() == (in_one.folder / RunFolder.LOG).read_bytes()
+    assert len(in_many.summary.processes or ()) == 9
+
+
+def test_a_live_run_has_one_process() -> None:
+    with pytest.raises(UserError, match="processes has no effect on a live run"):
+        graphnav.run("navigate_live", processes=True, until_s=0.1)
 
 
 def test_stages_that_do_not_wait_for_each_other_step_side_by_side(runs: Runs, tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from graphnav.processes.descriptors import peer_of
 from graphnav.processes.frames import Frame, Kind, receive, send
-from graphnav.processes.peers import peer_of
 
 
 @pytest.fixture

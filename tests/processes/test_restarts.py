@@ -131,6 +131,15 @@ def test_a_journal_without_a_disk_says_why_nothing_can_be_given_again(tmp_path: 
         next(journal.steps("right"))
 
 
+def test_a_journal_leaves_the_last_of_a_disk_to_the_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    journal = Journal(tmp_path)
+    journal.keep("right", [0, 1, []], [Encoded(bytes(16 << 20))], 0)
+    assert journal.fault == ""
+    monkeypatch.setattr("graphnav.core.runner.recording.full_log._MIN_FREE_BYTES", 1 << 60)
+    journal.keep("right", [0, 2, []], [Encoded(bytes(16 << 20))], 0)
+    assert journal.fault == "what it was given cannot be kept: the disk is nearly full"
+
+
 def test_a_journal_holds_a_message_once_and_gives_all_again(tmp_path: Path) -> None:
     journal, shared, own = Journal(tmp_path), Encoded(b"shared"), Encoded(b"own")
     journal.keep("left", [0, 1, []], [shared], 5)

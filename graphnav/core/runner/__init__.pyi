@@ -7,6 +7,7 @@ from .join import MatchedSet
 from .live_inbox import LiveInbox
 from .lockstep import Lockstep, LockstepEngine
 from .lockstep_inbox import LockstepInbox
+from .recording.full_log import LOOK_BYTES, is_nearly_full
 from .recording.kept_messages import complete_channels
 from .recording.log_forecast import size_text
 from .recording.progress_file import ProgressFile
@@ -25,6 +26,7 @@ from .unit import LocalUnit, Unit
 
 __all__ = [
     "CODE",
+    "LOOK_BYTES",
     "Difference",
     "Done",
     "Durations",
@@ -61,6 +63,7 @@ __all__ = [
     "decoded",
     "difference",
     "difference_here",
+    "is_nearly_full",
     "memory_mb",
     "new_run_id",
     "provenance",

@@ -16,7 +16,16 @@ from graphnav.core.record import LogWriter, Recording
 _NAME = ".full.lcmlog"
 _MIN_FREE_BYTES = 512 << 20
 """Free space of the disk below which the full log gives way to the log that stays."""
-_LOOK_BYTES = 16 << 20
+LOOK_BYTES = 16 << 20
+"""So many bytes are written between two looks at the disk."""
+
+
+def is_nearly_full(folder: Path) -> bool:
+    """Return whether a disk has too little free space for what is kept only while a run lasts."""
+    try:
+        return shutil.disk_usage(folder).free < _MIN_FREE_BYTES
+    except OSError:
+        return False
 
 
 class FullLog:
@@ -56,7 +65,7 @@ class FullLog:
         except LogError:
             self._give_up()
             return
-        if self._writer.n_bytes - self._looked_bytes >= _LOOK_BYTES:
+        if self._writer.n_bytes - self._looked_bytes >= LOOK_BYTES:
             self._looked_bytes = self._writer.n_bytes
             self._look_at_disk()
 
@@ -88,9 +97,8 @@ class FullLog:
         self._give_up()
 
     def _look_at_disk(self) -> None:
-        with suppress(OSError):
-            if shutil.disk_usage(self._folder).free < _MIN_FREE_BYTES:
-                self._give_up()
+        if is_nearly_full(self._folder):
+            self._give_up()
 
     def _give_up(self) -> None:
         """Close the file, which frees its space."""
