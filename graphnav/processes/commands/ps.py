@@ -16,7 +16,7 @@ def main(args: CommandArguments) -> int:
     from graphnav.core.errors import shown_name
     from graphnav.core.machine import Console
     from graphnav.core.runner import RunningRun
-    from graphnav.core.tables import Column, Table
+    from graphnav.core.tables import Column, Table, print_fitted
     from graphnav.processes.running_runs import processes_of
 
     runs = [(run, processes_of(run)) for run in RunningRun.all()]
@@ -38,5 +38,6 @@ def main(args: CommandArguments) -> int:
         rows += [[f"  {name}", None, pid, None, None, restarts, None] for name, pid, restarts in processes]
     right = {"pid", "for s", "restarts"}
     names = ("run", "graph", "pid", "mode", "for s", "restarts", "folder")
-    Table([Column(name, align="right" if name in right else "left") for name in names], rows).print(Console())
+    columns = [Column(name, align="right" if name in right else "left") for name in names]
+    print_fitted(Console(), Table(columns, rows))
     return Exit.OK
