@@ -77,6 +77,9 @@ from .core.messages import (
     About as About,
 )
 from .core.messages import (
+    BaseLimits as BaseLimits,
+)
+from .core.messages import (
     Components as Components,
 )
 from .core.messages import (

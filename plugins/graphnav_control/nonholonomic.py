@@ -3,15 +3,33 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import numpy as np
 
-from graphnav import Continuity, Latest, LocalMap, ParamError, Stage, Stamp, Steering, Twist, param
+from graphnav import (
+    Age,
+    BaseLimits,
+    Continuity,
+    Latest,
+    LocalMap,
+    ParamError,
+    Stage,
+    Stamp,
+    Steering,
+    Twist,
+    param,
+)
 
 _MARGIN_M = 0.02
 """Distance to keep from obstacles, beyond the radius, where the steering does."""
 TOLERANCE_M = 0.005
 """How much nearer to what touches it already the robot may come."""
+_UNDECLARED_DECEL_MPS2, _UNDECLARED_REACTION_S = 0.5, 0.25
+"""What to count on where no base declares its limits."""
+_KEPT_DELAYS = 5
+"""The longest of so many images counts: one that was overtaken delays the next, too."""
+_NOT_DECLARED, _NEW = Latest[BaseLimits](), Age(0.0)
 
 
 class Nonholonomic(Stage):
@@ -24,6 +42,13 @@ class Nonholonomic(Stage):
     ``floor_ratio``, ``smoothing_s`` and ``map`` are departures from [OI], off by default. With a local map the robot
     drives no faster than it can stop before the first obstacle or unknown floor ahead; the newest map counts, however
     old it is.
+
+    How it can stop follows from what the base declares on ``limits``. It counts on ``decel_ratio`` of the deceleration,
+    and on a reaction of ``reaction_ratio`` times the sum of the time between two steerings, their age in a live run
+    (from the arrival of the image to this stage), both as measured, and the base's latency. The longest of the last 5
+    counts. Both factors are margins: the first for an obstacle at the edge of the floor that is known, which the robot's
+    rim reaches before its centre; the second since a map needs more than one image to show what it did not show before.
+    Without ``limits`` it counts on 0.5 m/s2 after 0.25 s. It does not ask for speeds above the declared ones.
 
     References
     ----------
@@ -48,12 +73,23 @@ class Nonholonomic(Stage):
         doc="how much nearer than they are obstacles may be on the map: a way past them that is narrower by as much is "
         "driven where the steering leads through it",
     )
-    max_decel_mps2: float = param(0.5, gt=0.0, le=100.0, doc="deceleration to count on where a map limits the speed")
-    reaction_s: float = param(
-        0.25,
+    max_decel_mps2: float | None = param(
+        None,
+        gt=0.0,
+        le=100.0,
+        doc="deceleration to count on where a map limits the speed; null: that which the base declares, times "
+        "decel_ratio; 0.5 if it declares none",
+    )
+    reaction_s: float | None = param(
+        None,
         ge=0.0,
         le=60.0,
-        doc="time from what the camera sees to the brakes, where a map limits the speed: images and latency",
+        doc="time from what the camera sees to the brakes, where a map limits the speed; null: images, latency and age "
+        "as measured and declared, times reaction_ratio; 0.25 if the base declares nothing",
+    )
+    decel_ratio: float = param(0.5, gt=0.0, le=1.0, doc="share of the declared deceleration to count on")
+    reaction_ratio: float = param(
+        2.0, ge=1.0, le=100.0, doc="by how much the reaction is longer than from an image to the beginning of braking"
     )
     reversing: bool = param(
         False, doc="the law as published also beyond a right angle: the robot drives backwards, where it does not see"
@@ -70,18 +106,33 @@ class Nonholonomic(Stage):
         """Forget the last command."""
         self._last: tuple[int, Twist] | None = None
         self._continuity = Continuity()
+        self._delays_s: deque[float] = deque(maxlen=_KEPT_DELAYS)
 
-    def step(self, steering: Steering, map: Latest[LocalMap], stamp: Stamp) -> Twist:  # noqa: A002  # the port's name
-        """Return the command; the low-pass restarts after a gap of more than 3 periods."""
+    def step(
+        self,
+        steering: Steering,
+        map: Latest[LocalMap],  # noqa: A002  # the port's name
+        stamp: Stamp,
+        limits: Latest[BaseLimits] = _NOT_DECLARED,
+        age_s: Age = _NEW,
+    ) -> Twist:
+        """Return the command; low-pass and measured delays restart after a gap of more than 3 periods."""
         if self._continuity.breaks(stamp):
             self._last = None
+            self._delays_s.clear()
+        if self._last is not None:
+            self._delays_s.append((stamp - self._last[0]) * 1e-6 + age_s)
         theta_rad = steering.theta_rad
         speed_ratio, turn_ratio = math.cos(theta_rad), math.sin(theta_rad)
         if not self.reversing:
             speed_ratio = max(speed_ratio, self.floor_ratio)
             turn_ratio = turn_ratio if abs(theta_rad) <= math.pi / 2 else math.copysign(1.0, theta_rad)
-        wanted = Twist(v_mps=self.max_speed_mps * speed_ratio, omega_radps=self.max_turn_radps * turn_ratio)
-        twist = self._limited(self._smoothed(wanted, stamp), map.value, theta_rad)
+        max_speed_mps, max_turn_radps = self.max_speed_mps, self.max_turn_radps
+        if limits.value is not None:
+            max_speed_mps = min(max_speed_mps, limits.value.max_speed_mps)
+            max_turn_radps = min(max_turn_radps, limits.value.max_turn_radps)
+        wanted = Twist(v_mps=max_speed_mps * speed_ratio, omega_radps=max_turn_radps * turn_ratio)
+        twist = self._limited(self._smoothed(wanted, stamp), map.value, theta_rad, self._braking(limits.value))
         self._last = stamp, twist
         return twist
 
@@ -95,7 +146,25 @@ class Nonholonomic(Stage):
             omega_radps=wanted.omega_radps + kept * (last.omega_radps - wanted.omega_radps),
         )
 
-    def _limited(self, twist: Twist, map: LocalMap | None, theta_rad: float) -> Twist:  # noqa: A002  # the port's name
+    def _braking(self, limits: BaseLimits | None) -> tuple[float, float]:
+        """Return the deceleration to count on, and the time to react, m/s2 and s."""
+        decel_mps2, reaction_s = _UNDECLARED_DECEL_MPS2, _UNDECLARED_REACTION_S
+        if limits is not None:
+            decel_mps2 = self.decel_ratio * limits.max_decel_mps2
+            if self._delays_s:
+                reaction_s = self.reaction_ratio * (max(self._delays_s) + limits.latency_s)
+        return (
+            decel_mps2 if self.max_decel_mps2 is None else self.max_decel_mps2,
+            reaction_s if self.reaction_s is None else self.reaction_s,
+        )
+
+    def _limited(
+        self,
+        twist: Twist,
+        map: LocalMap | None,  # noqa: A002  # the port's name
+        theta_rad: float,
+        braking: tuple[float, float],
+    ) -> Twist:
         """Return the command at most as fast as the robot can stop within the way that the map shows free.
 
         The robot comes as near to obstacles as it is steered to, and not nearer because it has not turned there yet.
@@ -107,7 +176,7 @@ class Nonholonomic(Stage):
         if radius_m < self.robot_radius_m - self.map_error_m:
             radius_m = self.robot_radius_m
         way_m = free_way_m(map, min(radius_m, self.robot_radius_m + _MARGIN_M), sign)
-        safe_mps = safe_speed_mps(way_m, self.max_decel_mps2, self.reaction_s)
+        safe_mps = safe_speed_mps(way_m, *braking)
         return Twist(v_mps=sign * min(abs(twist.v_mps), safe_mps), omega_radps=twist.omega_radps)
 
 

@@ -7,7 +7,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from graphnav import Finished, Goal, Image, Latest, Map, Motion, ParamError, Scan, Stamp, State, Truth, Twist, param
+from graphnav import (
+    BaseLimits,
+    Finished,
+    Goal,
+    Image,
+    Latest,
+    Map,
+    Motion,
+    ParamError,
+    Scan,
+    Stamp,
+    State,
+    Truth,
+    Twist,
+    param,
+)
 from graphnav_world.geometry.rays import Beams, Sides, distances_m
 from graphnav_world.vehicle import Pose
 from graphnav_world.world import SingleRate
@@ -27,6 +42,7 @@ class LidarOutputs(NamedTuple):
     truth: Truth | None
     goal: Goal | None
     map: Map | None
+    limits: BaseLimits | None
 
 
 class Lidar(SingleRate):
@@ -90,7 +106,7 @@ class Lidar(SingleRate):
         tick = self._tick(command, utime)
         scan = self._scan(tick.pose, tick.time_s)
         image, truth = self._look(tick.pose, tick.time_s, tick.interval_us) if self._has_picture else (None, None)
-        outputs = LidarOutputs(scan, image, tick.motion, tick.state, truth, tick.goal, tick.map)
+        outputs = LidarOutputs(scan, image, tick.motion, tick.state, truth, tick.goal, tick.map, tick.limits)
         if tick.ends:
             raise Finished(tick.ends, outputs)
         return outputs

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphnav import Goal, param
+from graphnav import BaseLimits, Goal, param
 from graphnav_world.odometry import OdometryErrors
 from graphnav_world.simulation import Simulation
 from graphnav_world.slip import Slip
@@ -114,6 +114,18 @@ class MobileRobot(Simulation):
             math.radians(self.goal_bearing_sigma_deg),
             drawn_sign((seed, BEARING)) * math.radians(self.goal_bearing_bias_deg),
             1 + drawn_sign((seed, DISTANCE)) * self.goal_distance_ratio,
+        )
+
+    def _base_limits(self) -> BaseLimits:
+        """Return what the drive can do: what `Vehicle` keeps of every command, and slip only shortens its way."""
+        accel_mps2 = self.max_speed_mps / self.speed_up_s
+        return BaseLimits(
+            max_speed_mps=self.max_speed_mps,
+            max_turn_radps=self.max_turn_radps,
+            max_accel_mps2=accel_mps2,
+            max_decel_mps2=accel_mps2,
+            max_turn_accel_radps2=self.max_turn_radps / self.turn_up_s,
+            latency_s=self.command_latency_s,
         )
 
     def _beacon(self, pose: Pose) -> Goal | None:

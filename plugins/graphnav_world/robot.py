@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from graphnav import (
+    BaseLimits,
     Finished,
     Goal,
     Image,
@@ -31,8 +33,8 @@ from graphnav_world.mobile_robot import MobileRobot
 from graphnav_world.odometry import DeadReckoning
 from graphnav_world.vehicle import Pose
 
-MAP_HZ = 0.5
-"""Period of the map, which is repeated for late subscribers."""
+REPEAT_HZ = 0.5
+"""Period of the map and of the base's limits, which are repeated for late subscribers."""
 _MAX_PENDING = 2
 """Maximum number of pending odometry samples; a late step loses older ones, as a driver's buffer does."""
 
@@ -46,6 +48,7 @@ class RobotOutputs(NamedTuple):
     truth: Truth | None
     goal: Goal | None
     map: Map | None
+    limits: BaseLimits | None
 
 
 class Robot(MobileRobot):
@@ -55,8 +58,8 @@ class Robot(MobileRobot):
     acts from the step after its arrival until it is older than ``command_timeout_s``; then, or before the first
     command, the drive brakes within its limits.
 
-    Images, truth (with the image, if it is read; its flow since the last image), state, beacon and map (every 2 s)
-    have the stamp of the first step at which they are due. Odometry has its own stamps: it samples the pose exactly at
+    Images, truth (with the image, if it is read; its flow since the last image), state, beacon, map and limits of the base (every
+    2 s) have the stamp of the first step at which they are due. Odometry has its own stamps: it samples the pose exactly at
     its jittered times, and is published at the first step at or after each. Its frame is the start pose; errors
     accumulate. With ``odometry_delay_frames`` a sample is of the newest pose sampled that many image periods ago or
     earlier.
@@ -112,7 +115,7 @@ class Robot(MobileRobot):
         super().reset(seed)
         self._images = Schedule(self.image_hz, self.image_jitter_s, (seed, 3))
         self._samples = Schedule(self.odometry_hz, self.odometry_jitter_s, (seed, 4))
-        self._states, self._goals, self._maps = map(Schedule, (self.state_hz, self.goal_hz, MAP_HZ))
+        self._states, self._goals, self._maps = map(Schedule, (self.state_hz, self.goal_hz, REPEAT_HZ))
         self._drive = Drive(self._vehicle, self.command_timeout_s, self.command_latency_s)
         self._late_poses = LatePoses(self._vehicle.wheels, round(1e6 * self.odometry_delay_frames / self.image_hz))
         self._reckoning = DeadReckoning(self._vehicle.wheels, self._errors)
@@ -132,17 +135,24 @@ class Robot(MobileRobot):
         self._has_ended |= ends
         self._drive.hear(Latest() if self._has_ended else command, now_us)
         image, truth = self._picture(pose, now_us)
+        repeats = bool(self._maps.due(now_us))
         outputs = RobotOutputs(
             image=image,
             odometry=self._odometry(now_us),
             state=self._report(pose, now_us, is_last=ends),
             truth=truth,
             goal=self._beacon(pose) if self._goals.due(now_us) else None,
-            map=self._map() if self._maps.due(now_us) else None,
+            map=self._map() if repeats else None,
+            limits=self._base_limits() if repeats else None,
         )
         if ends and self.ends:
             raise Finished("contact" if pose.contact else "goal", outputs)
         return outputs
+
+    def _base_limits(self) -> BaseLimits:
+        """Return what the drive can do; a command waits for the next step of the physics, too."""
+        found = super()._base_limits()
+        return replace(found, latency_s=found.latency_s + 1 / self.rate_hz)
 
     def _picture(self, pose: Pose, now_us: int) -> tuple[Image | None, Truth | None]:
         if not self._images.due(now_us):

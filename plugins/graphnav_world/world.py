@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
-from graphnav import Finished, Goal, Image, Latest, Map, Motion, Stamp, State, Truth, Twist, param
+from graphnav import BaseLimits, Finished, Goal, Image, Latest, Map, Motion, Stamp, State, Truth, Twist, param
 from graphnav_world.delay_line import DelayLine
 from graphnav_world.drive import STANDSTILL
 from graphnav_world.late_motion import LateMotion
@@ -23,6 +23,7 @@ class Tick(NamedTuple):
     state: State
     goal: Goal | None
     map: Map | None
+    limits: BaseLimits | None
     ends: Literal["contact", "goal"] | None
 
 
@@ -62,6 +63,7 @@ class SingleRate(MobileRobot):
             state=state,
             goal=self._beacon(pose),
             map=self._map() if first else None,
+            limits=self._base_limits() if first else None,
             ends="contact" if pose.contact else "goal" if state.at_goal else None,
         )
 
@@ -78,7 +80,10 @@ class SingleRate(MobileRobot):
 
 
 class WorldOutputs(NamedTuple):
-    """Outputs of the world at a tick: ``map`` at the first, ``motion`` and ``truth`` (if it is read) after it."""
+    """Outputs of the world at a tick: ``map`` and ``limits`` at the first, ``motion`` and ``truth`` after it.
+
+    The truth only if it is read.
+    """
 
     image: Image
     motion: Motion | None
@@ -86,6 +91,7 @@ class WorldOutputs(NamedTuple):
     truth: Truth | None
     goal: Goal | None
     map: Map | None
+    limits: BaseLimits | None
 
 
 class Pymunk(SingleRate):
@@ -103,7 +109,7 @@ class Pymunk(SingleRate):
         """Drive until now, render, and publish."""
         tick = self._tick(command, utime)
         image, truth = self._look(tick.pose, tick.time_s, tick.interval_us)
-        outputs = WorldOutputs(image, tick.motion, tick.state, truth, tick.goal, tick.map)
+        outputs = WorldOutputs(image, tick.motion, tick.state, truth, tick.goal, tick.map, tick.limits)
         if tick.ends:
             raise Finished(tick.ends, outputs)
         return outputs

@@ -42,11 +42,11 @@ def upstream(graph: Graph, name: str) -> set[str]:
 
 
 @pytest.mark.parametrize("name", GRAPHS)
-def test_a_camera_and_a_beacon_are_all_that_it_knows(name: str, catalog: Catalog) -> None:
+def test_a_camera_a_beacon_and_the_limits_of_its_base_are_all_that_it_knows(name: str, catalog: Catalog) -> None:
     graph = load_graph(name, catalog)
     outside = {"robot", "camera", "base", "operator"}
     known = {ref for ref in upstream(graph, "control") if ref.partition(".")[0] in outside}
-    assert known <= {"robot.image", "camera.image", BEACON}
+    assert known <= {"robot.image", "camera.image", BEACON, "robot.limits", "base.limits"}
     assert {"robot.image", "camera.image"} & known
 
 

@@ -41,7 +41,7 @@ class Rig:
         command += ["--no-tap", "--no-pictures", "--json", "-o", str(folder / "robot"), *robot_options]
         self.robot = _start([str(GRAPHNAV), *command], folder / "robot.txt")
         self._relays = {
-            "ODOMETRY": self._relay("ODOMETRY", "BEACON"),
+            "ODOMETRY": self._relay("ODOMETRY", "BEACON", "BASE_LIMITS"),
             "TELEOP": self._relay("TELEOP"),
             "STOP": self._relay("STOP"),
             "BASE_CMD": _relay(self.graph_url, self.robot_url, "BASE_CMD"),

@@ -3,6 +3,7 @@
 from graphnav.core.messages.local_map import LocalMap
 from graphnav.core.messages.message import ZERO_MEANS, FieldError, Message, snake_case
 from graphnav.core.messages.robot import (
+    BaseLimits,
     Goal,
     GuardState,
     Map,
@@ -31,6 +32,7 @@ from graphnav.core.messages.vision import (
 __all__ = [
     "ZERO_MEANS",
     "About",
+    "BaseLimits",
     "Components",
     "FieldError",
     "Fired",

@@ -1,18 +1,19 @@
-"""Messages about the robot and its world: commands, motion, odometry, state, goal, map.
+"""Messages about the robot and its world: commands, limits of the base, motion, odometry, state, goal, map.
 
 Frames: W world, R robot (x forward, y left). Counterclockwise is positive.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import graphnav_lcm
 import numpy as np
 
 from graphnav.arrays import Bytes, Doubles, Indices, Ints
-from graphnav.core.messages.message import Message
+from graphnav.core.messages.message import FieldError, Message
 
 
 class Steering(Message, lcm=graphnav_lcm.steering_t):
@@ -34,6 +35,40 @@ class Twist(Message, lcm=graphnav_lcm.twist_t):
 
     v_mps: float
     omega_radps: float
+
+
+class BaseLimits(Message, lcm=graphnav_lcm.base_limits_t):
+    """What a robot's base can do, as its driver declares it; published once, or repeated for late subscribers.
+
+    ``max_speed_mps``: forwards and backwards. ``max_turn_radps``: to either side. ``max_accel_mps2``,
+    ``max_turn_accel_radps2``: up to these speeds. ``max_decel_mps2``: with which the base surely brakes when it is told
+    to stop. ``latency_s``: longest time from the arrival of a command to the beginning of its effect.
+    """
+
+    max_speed_mps: float
+    max_turn_radps: float
+    max_accel_mps2: float
+    max_decel_mps2: float
+    max_turn_accel_radps2: float
+    latency_s: float
+
+    @classmethod
+    def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
+        """Return the limits of ``base_limits_t``.
+
+        Raises
+        ------
+        FieldError
+            A speed or an acceleration is not above 0, or the latency is below 0.
+        """
+        found = super().from_lcm_fields(values)
+        for name in cls._names:
+            value = getattr(found, name)
+            if name == "latency_s" and value < 0.0:
+                raise FieldError(name, f"{value:g}", "0 or more")
+            if name != "latency_s" and not value > 0.0:
+                raise FieldError(name, f"{value:g}", "more than 0")
+        return found
 
 
 class Motion(Message, lcm=graphnav_lcm.motion_t):

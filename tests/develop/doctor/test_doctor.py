@@ -128,7 +128,7 @@ def test_sizes_of_a_lockstep_graph_are_measured() -> None:
 def test_sizes_of_a_live_graph_are_those_that_come_in_and_leave() -> None:
     graph = load_graph("robot_live", Catalog())
     sizes = {size.channel: size for size in message_sizes(graph)}
-    assert set(sizes) == {"CAMERA", "ODOMETRY", "BEACON"}
+    assert set(sizes) == {"CAMERA", "ODOMETRY", "BEACON", "BASE_LIMITS"}
     assert sizes["CAMERA"].n_bytes == pytest.approx(160 * 120, abs=200)
     (camera,) = message_sizes(load_graph("navigate_live", Catalog()))
     assert (camera.channel, camera.n_bytes, camera.assumed) == ("CAMERA", 921_600, "640x480 RGB")
