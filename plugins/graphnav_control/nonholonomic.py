@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +33,18 @@ _KEPT_DELAYS = 5
 _NOT_DECLARED, _NEW = Latest[BaseLimits](), Age(0.0)
 
 
+class Braking(NamedTuple):
+    """What to count on where the map limits the speed.
+
+    ``ahead_mps2``: deceleration before what ends the way ahead. ``near_mps2``: deceleration before what is nearest to
+    the robot in any direction, None to drive past it at any speed. ``reaction_s``: time until braking begins.
+    """
+
+    ahead_mps2: float
+    near_mps2: float | None
+    reaction_s: float
+
+
 class Nonholonomic(Stage):
     """Speeds of a unicycle from the direction of the control force.
 
@@ -48,7 +61,13 @@ class Nonholonomic(Stage):
     (from the arrival of the image to this stage), both as measured, and the base's latency. The longest of the last 5
     counts. Both factors are margins: the first for an obstacle at the edge of the floor that is known, which the robot's
     rim reaches before its centre; the second since a map needs more than one image to show what it did not show before.
-    Without ``limits`` it counts on 0.5 m/s2 after 0.25 s. It does not ask for speeds above the declared ones.
+
+    With that deceleration it may be fast where it is close to obstacles. So it also drives no faster than it can stop,
+    with all of the declared deceleration, within ``map_error_m`` beyond its distance to the nearest obstacle in any
+    direction: neither the map nor the way around a bend is exact.
+
+    Without ``limits`` it counts on 0.5 m/s2 after 0.25 s ahead, and not on what is beside it; the same with a given
+    ``max_decel_mps2``. It does not ask for speeds above the declared ones.
 
     References
     ----------
@@ -77,8 +96,8 @@ class Nonholonomic(Stage):
         None,
         gt=0.0,
         le=100.0,
-        doc="deceleration to count on where a map limits the speed; null: that which the base declares, times "
-        "decel_ratio; 0.5 if it declares none",
+        doc="deceleration to count on before what ends the way on the map; null: that which the base declares, times "
+        "decel_ratio, and all of it before what is nearest; 0.5 if it declares none",
     )
     reaction_s: float | None = param(
         None,
@@ -87,7 +106,7 @@ class Nonholonomic(Stage):
         doc="time from what the camera sees to the brakes, where a map limits the speed; null: images, latency and age "
         "as measured and declared, times reaction_ratio; 0.25 if the base declares nothing",
     )
-    decel_ratio: float = param(0.5, gt=0.0, le=1.0, doc="share of the declared deceleration to count on")
+    decel_ratio: float = param(0.5, gt=0.0, le=1.0, doc="share of the declared deceleration to count on ahead")
     reaction_ratio: float = param(
         2.0, ge=1.0, le=100.0, doc="by how much the reaction is longer than from an image to the beginning of braking"
     )
@@ -146,16 +165,18 @@ class Nonholonomic(Stage):
             omega_radps=wanted.omega_radps + kept * (last.omega_radps - wanted.omega_radps),
         )
 
-    def _braking(self, limits: BaseLimits | None) -> tuple[float, float]:
-        """Return the deceleration to count on, and the time to react, m/s2 and s."""
-        decel_mps2, reaction_s = _UNDECLARED_DECEL_MPS2, _UNDECLARED_REACTION_S
-        if limits is not None:
-            decel_mps2 = self.decel_ratio * limits.max_decel_mps2
-            if self._delays_s:
-                reaction_s = self.reaction_ratio * (max(self._delays_s) + limits.latency_s)
-        return (
-            decel_mps2 if self.max_decel_mps2 is None else self.max_decel_mps2,
-            reaction_s if self.reaction_s is None else self.reaction_s,
+    def _braking(self, limits: BaseLimits | None) -> Braking:
+        """Return what to count on: what is given, else what follows from the base, else what needs no base."""
+        ahead_mps2, near_mps2 = self.max_decel_mps2, None
+        if ahead_mps2 is None and limits is not None:
+            ahead_mps2, near_mps2 = self.decel_ratio * limits.max_decel_mps2, limits.max_decel_mps2
+        reaction_s = self.reaction_s
+        if reaction_s is None and limits is not None and self._delays_s:
+            reaction_s = self.reaction_ratio * (max(self._delays_s) + limits.latency_s)
+        return Braking(
+            _UNDECLARED_DECEL_MPS2 if ahead_mps2 is None else ahead_mps2,
+            near_mps2,
+            _UNDECLARED_REACTION_S if reaction_s is None else reaction_s,
         )
 
     def _limited(
@@ -163,7 +184,7 @@ class Nonholonomic(Stage):
         twist: Twist,
         map: LocalMap | None,  # noqa: A002  # the port's name
         theta_rad: float,
-        braking: tuple[float, float],
+        braking: Braking,
     ) -> Twist:
         """Return the command at most as fast as the robot can stop within the way that the map shows free.
 
@@ -176,7 +197,11 @@ class Nonholonomic(Stage):
         if radius_m < self.robot_radius_m - self.map_error_m:
             radius_m = self.robot_radius_m
         way_m = free_way_m(map, min(radius_m, self.robot_radius_m + _MARGIN_M), sign)
-        safe_mps = safe_speed_mps(way_m, *braking)
+        safe_mps = safe_speed_mps(way_m, braking.ahead_mps2, braking.reaction_s)
+        if braking.near_mps2 is not None:
+            near_m = float(map.obstacle_m_at(np.zeros(1), np.zeros(1))[0]) - self.robot_radius_m
+            room_m = max(near_m, 0.0) + self.map_error_m
+            safe_mps = min(safe_mps, safe_speed_mps(room_m, braking.near_mps2, braking.reaction_s))
         return Twist(v_mps=sign * min(abs(twist.v_mps), safe_mps), omega_radps=twist.omega_radps)
 
 
