@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class base_limits_t(object):
-    """ What a robot's base can do, as its driver declares it: a bound that the base keeps, not a measurement. """
+    """ Capabilities of a robot's base, as its driver declares them: a bound that the base keeps, not a measurement. """
 
     __slots__ = ["utime", "seq", "max_speed_mps", "max_turn_radps", "max_accel_mps2", "max_decel_mps2", "max_turn_accel_radps2", "latency_s"]
 

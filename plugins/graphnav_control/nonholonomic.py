@@ -27,14 +27,14 @@ _MARGIN_M = 0.02
 TOLERANCE_M = 0.005
 """How much nearer to what touches it already the robot may come."""
 _UNDECLARED_DECEL_MPS2, _UNDECLARED_REACTION_S = 0.5, 0.25
-"""What to count on where no base declares its limits."""
+"""Deceleration and reaction to count on where no base declares its limits."""
 _KEPT_DELAYS = 5
 """The longest of so many images counts: one that was overtaken delays the next, too."""
 _NOT_DECLARED, _NEW = Latest[BaseLimits](), Age(0.0)
 
 
 class Braking(NamedTuple):
-    """What to count on where the map limits the speed.
+    """Deceleration and reaction to count on where the map limits the speed.
 
     ``ahead_mps2``: deceleration before what ends the way ahead. ``near_mps2``: deceleration before what is nearest to
     the robot in any direction, None to drive past it at any speed. ``reaction_s``: time until braking begins.
@@ -56,18 +56,18 @@ class Nonholonomic(Stage):
     drives no faster than it can stop before the first obstacle or unknown floor ahead; the newest map counts, however
     old it is.
 
-    How it can stop follows from what the base declares on ``limits``. It counts on ``decel_ratio`` of the deceleration,
-    and on a reaction of ``reaction_ratio`` times the sum of the time between two steerings, their age in a live run
-    (from the arrival of the image to this stage), both as measured, and the base's latency. The longest of the last 5
-    counts. Both factors are margins: the first for an obstacle at the edge of the floor that is known, which the robot's
-    rim reaches before its centre; the second since a map needs more than one image to show what it did not show before.
+    How well it stops follows from what the base declares on ``limits``: it counts on ``decel_ratio`` of the
+    deceleration after ``reaction_ratio`` times the sum of the time between two steerings, their age in a live run (from
+    the arrival of the image to this stage), both as measured, the longest of the last 5, and the base's latency. Both
+    factors are margins: the first for an obstacle at the edge of the floor that is known, which the robot's rim reaches
+    before its centre; the second since a map needs more than one image to show what it did not show before.
 
-    With that deceleration it may be fast where it is close to obstacles. So it also drives no faster than it can stop,
-    with all of the declared deceleration, within ``map_error_m`` beyond its distance to the nearest obstacle in any
-    direction: neither the map nor the way around a bend is exact.
+    A strong base could then be fast close to obstacles, where neither the map nor the way around a bend is exact. So
+    the robot also drives no faster than it can stop, with all of the declared deceleration, within ``map_error_m`` more
+    than its distance to the nearest obstacle in any direction.
 
-    Without ``limits`` it counts on 0.5 m/s2 after 0.25 s ahead, and not on what is beside it; the same with a given
-    ``max_decel_mps2``. It does not ask for speeds above the declared ones.
+    Without ``limits`` it counts on 0.5 m/s2 after 0.25 s, and only ahead; so it does with a given ``max_decel_mps2``.
+    It does not ask for speeds above the declared ones.
 
     References
     ----------

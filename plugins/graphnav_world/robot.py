@@ -58,11 +58,11 @@ class Robot(MobileRobot):
     acts from the step after its arrival until it is older than ``command_timeout_s``; then, or before the first
     command, the drive brakes within its limits.
 
-    Images, truth (with the image, if it is read; its flow since the last image), state, beacon, map and limits of the base (every
-    2 s) have the stamp of the first step at which they are due. Odometry has its own stamps: it samples the pose exactly at
-    its jittered times, and is published at the first step at or after each. Its frame is the start pose; errors
-    accumulate. With ``odometry_delay_frames`` a sample is of the newest pose sampled that many image periods ago or
-    earlier.
+    Images, truth (with the image, if it is read; its flow since the last image), state, beacon, map and limits of the
+    base (every 2 s) have the stamp of the first step at which they are due. Odometry has its own stamps: it samples the
+    pose exactly at its jittered times, and is published at the first step at or after each. Its frame is the start
+    pose; errors accumulate. With ``odometry_delay_frames`` a sample is of the newest pose sampled that many image
+    periods ago or earlier.
 
     It ends the run with ``goal`` when the robot's centre is in the map's goal region, and with ``contact`` at the first
     touch. With ``ends: false`` the run continues, and the robot stands.

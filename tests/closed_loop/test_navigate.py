@@ -6,10 +6,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import dist
+from statistics import mean
 
 import pytest
 
-from graphnav import Recording, State
+from graphnav import Recording, State, Twist
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph, load_graph, shipped_graphs
 from graphnav.core.runner.recording.summary import Summary
@@ -102,3 +103,19 @@ def test_it_sets_out_by_what_it_sees(drive: Callable[..., tuple[Summary, Recordi
     assert not summary.failure
     places = [(m.x_m, m.y_m) for _, _, m in log.messages("robot.state") if isinstance(m, State)]
     assert sum(dist(a, b) for a, b in pairwise(places)) > 0.2
+
+
+@pytest.mark.long
+def test_on_a_base_that_brakes_slowly_it_drives_more_slowly(
+    drive: Callable[..., tuple[Summary, Recording]],
+) -> None:
+    # 1.0 m/s in 1/0.3 s: 0.3 m/s2, where the shipped base has 4.
+    asked_mps = []
+    for slower in ((), ("robot.speed_up_s=3.3333",), ("robot.speed_up_s=3.3333", "control.in.limits=null")):
+        summary, log = drive("navigate/speed", 3, "run.until_s=8", *slower)
+        assert not summary.failure
+        speeds = [m.v_mps for _, _, m in log.messages("control.twist") if isinstance(m, Twist)]
+        asked_mps.append(mean(speeds[20:]))
+    fast, slow, untold = asked_mps
+    assert slow < 0.75 * fast
+    assert slow < untold, "what it counts on without limits is more than this base does"

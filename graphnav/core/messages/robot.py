@@ -38,7 +38,7 @@ class Twist(Message, lcm=graphnav_lcm.twist_t):
 
 
 class BaseLimits(Message, lcm=graphnav_lcm.base_limits_t):
-    """What a robot's base can do, as its driver declares it; published once, or repeated for late subscribers.
+    """Capabilities of a robot's base, as its driver declares them; published once, or repeated for late subscribers.
 
     ``max_speed_mps``: forwards and backwards. ``max_turn_radps``: to either side. ``max_accel_mps2``,
     ``max_turn_accel_radps2``: up to these speeds. ``max_decel_mps2``: with which the base surely brakes when it is told

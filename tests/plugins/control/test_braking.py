@@ -1,4 +1,4 @@
-"""What the speed before an obstacle follows from: the limits that a base declares, and the delays as measured."""
+"""The speed before an obstacle follows from the limits that a base declares and the delays as measured."""
 
 from __future__ import annotations
 
@@ -118,6 +118,24 @@ def test_a_base_that_brakes_less_or_later_is_driven_more_slowly(
     assert driven_mps(replace(base, latency_s=latency_s + 0.1)) < driven_mps(base)
 
 
+@pytest.mark.parametrize("beside_m", [0.05, 0.2, 0.5])
+def test_beside_a_wall_it_can_stop_within_its_room(draw_map: DrawMap, beside_m: float) -> None:
+    map_ = draw_map(lambda _, y: y > RADIUS_M + beside_m)
+    stage = control(map_error_m=0.1)
+    room_m = float(map_.obstacle_m_at(np.zeros(1), np.zeros(1))[0]) - RADIUS_M + 0.1
+    assert room_m == pytest.approx(beside_m + 0.1, abs=0.05)
+    assert speed_mps(stage, map_, BASE) == pytest.approx(min(2.0, safe_speed_mps(room_m, 4.0, 0.1)))
+    for told in ({"max_decel_mps2": 2.0}, {"reaction_s": 0.1, "max_decel_mps2": 2.0}):
+        assert speed_mps(control(map_error_m=0.1, **told), map_, BASE) == 2.0, "what is given counts ahead alone"
+
+
+def test_where_the_map_shows_no_room_it_drives_as_if_the_map_were_off(draw_map: DrawMap) -> None:
+    # Nearer than the radius at both sides: only the map's error can be right.
+    map_ = draw_map(lambda _, y: np.abs(y) > RADIUS_M - 0.05)
+    assert speed_mps(control(map_error_m=0.1), map_, BASE) == pytest.approx(safe_speed_mps(0.1, 4.0, 0.1))
+    assert speed_mps(control(map_error_m=0.1), map_, None) > 1.0
+
+
 def test_no_command_is_faster_than_the_base() -> None:
     base = replace(BASE, max_speed_mps=0.2, max_turn_radps=0.3)
     stage = control(max_speed_mps=1.0, max_turn_radps=1.0)
@@ -146,7 +164,7 @@ def test_a_slow_base_that_declares_nothing_hits_the_wall(draw_map: DrawMap) -> N
 def drive_at_a_wall(
     draw_map: DrawMap, stage: Nonholonomic, base: BaseLimits, *, tells: bool = True
 ) -> tuple[float, float]:
-    """Drive a vehicle with these limits at a wall; return its greatest speed, and how far its rim is beyond the wall.
+    """Drive a vehicle with these limits at a wall; return its maximum speed, and how far its rim is beyond the wall.
 
     ``tells``: whether the control knows the limits.
     """

@@ -36,6 +36,8 @@ def speeds(twist: Twist) -> tuple[float, float]:
 
 def stopping_m(speed_mps: float, stage: Nonholonomic) -> float:
     """Return how far the robot drives until it stands."""
+    assert stage.reaction_s is not None
+    assert stage.max_decel_mps2 is not None
     return abs(speed_mps) * stage.reaction_s + speed_mps**2 / (2 * stage.max_decel_mps2)
 
 
