@@ -45,6 +45,12 @@ class Braking(NamedTuple):
     reaction_s: float
 
 
+_STILL = 1e-6
+"""m/s and rad/s: a slower robot drives no arc."""
+_SHARES = np.linspace(1.0, 0.1, 10)
+"""Of a speed: those that are tried to drive around what the arc of the full speed leads to."""
+
+
 class Nonholonomic(Stage):
     """Speeds of a unicycle from the direction of the control force.
 
@@ -64,7 +70,8 @@ class Nonholonomic(Stage):
 
     A strong base could then be fast close to obstacles, where neither the map nor the way around a bend is exact. So
     the robot also drives no faster than it can stop, with all of the declared deceleration, within ``map_error_m`` more
-    than its distance to the nearest obstacle in any direction.
+    than its distance to the nearest obstacle in any direction. And where it turns, what ends the way ahead is looked
+    for on its arc, too: where that leads to an obstacle it drives more slowly, in a tighter arc, or turns on the spot.
 
     Without ``limits`` it counts on 0.5 m/s2 after 0.25 s, and only ahead; so it does with a given ``max_decel_mps2``.
     It does not ask for speeds above the declared ones.
@@ -196,13 +203,15 @@ class Nonholonomic(Stage):
         radius_m = kept_m(map, theta_rad, 2 * self.robot_radius_m)
         if radius_m < self.robot_radius_m - self.map_error_m:
             radius_m = self.robot_radius_m
-        way_m = free_way_m(map, min(radius_m, self.robot_radius_m + _MARGIN_M), sign)
-        safe_mps = safe_speed_mps(way_m, braking.ahead_mps2, braking.reaction_s)
+        radius_m = min(radius_m, self.robot_radius_m + _MARGIN_M)
+        safe_mps = safe_speed_mps(free_way_m(map, radius_m, sign), braking.ahead_mps2, braking.reaction_s)
+        v_mps = sign * min(abs(twist.v_mps), safe_mps)
         if braking.near_mps2 is not None:
             near_m = float(map.obstacle_m_at(np.zeros(1), np.zeros(1))[0]) - self.robot_radius_m
             room_m = max(near_m, 0.0) + self.map_error_m
-            safe_mps = min(safe_mps, safe_speed_mps(room_m, braking.near_mps2, braking.reaction_s))
-        return Twist(v_mps=sign * min(abs(twist.v_mps), safe_mps), omega_radps=twist.omega_radps)
+            v_mps = sign * min(abs(v_mps), safe_speed_mps(room_m, braking.near_mps2, braking.reaction_s))
+            v_mps = speed_around_mps(map, Twist(v_mps, twist.omega_radps), radius_m, braking)
+        return Twist(v_mps=v_mps, omega_radps=twist.omega_radps)
 
 
 def free_way_m(map: LocalMap, radius_m: float, sign: float = 1.0) -> float:  # noqa: A002  # the port's name
@@ -218,6 +227,31 @@ def free_way_m(map: LocalMap, radius_m: float, sign: float = 1.0) -> float:  # n
     blocked = near_m < min(radius_m, float(near_m[0]) - TOLERANCE_M)
     blocked |= unknown_m <= 0.0
     return float(steps_m[max(int(np.argmax(blocked)) - 1, 0)]) if blocked.any() else float(steps_m[-1])
+
+
+def speed_around_mps(
+    map: LocalMap,  # noqa: A002  # the port's name
+    twist: Twist,
+    radius_m: float,
+    braking: Braking,
+) -> float:
+    """Return the highest of ten shares of a speed from which a disc that turns at this rate stops on its arc, m/s.
+
+    In time to come no nearer to obstacles than ``radius_m``, or than it is; 0 if none does. A slower disc drives a
+    tighter arc. What comes after a quarter of a turn is not asked.
+    """
+    speeds_mps = abs(twist.v_mps) * _SHARES
+    if min(abs(twist.v_mps), abs(twist.omega_radps)) < _STILL:
+        return twist.v_mps
+    stops_m = speeds_mps * braking.reaction_s + speeds_mps**2 / (2 * braking.ahead_mps2)
+    steps_m = map.cell_m / 2 * np.arange(min(math.ceil(2 * stops_m[0] / map.cell_m) + 1, max(map.state.shape)))
+    bends_radpm = twist.omega_radps / speeds_mps[:, None]
+    turned_rad = np.clip(bends_radpm * steps_m, -math.pi / 2, math.pi / 2)
+    sign = math.copysign(1.0, twist.v_mps)
+    near_m = map.obstacle_m_at(sign * np.sin(turned_rad) / bends_radpm, sign * (1.0 - np.cos(turned_rad)) / bends_radpm)
+    blocked = near_m < min(radius_m, float(near_m[0, 0]) - TOLERANCE_M)
+    stops = ~(blocked & (steps_m <= stops_m[:, None])).any(axis=1)
+    return sign * float(speeds_mps[np.argmax(stops)]) if stops.any() else 0.0
 
 
 def kept_m(map: LocalMap, theta_rad: float, way_m: float) -> float:  # noqa: A002  # the port's name
