@@ -9,7 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from graphnav_control.nonholonomic import Nonholonomic, safe_speed_mps
+from graphnav_control.nonholonomic import (
+    Braking,
+    Nonholonomic,
+    free_way_m,
+    safe_speed_mps,
+    speed_around_mps,
+)
 from graphnav_world.delay_line import DelayLine
 from graphnav_world.vehicle import Limits, Vehicle
 from hypothesis import HealthCheck, given, settings
@@ -134,6 +140,47 @@ def test_where_the_map_shows_no_room_it_drives_as_if_the_map_were_off(draw_map: 
     map_ = draw_map(lambda _, y: np.abs(y) > RADIUS_M - 0.05)
     assert speed_mps(control(map_error_m=0.1), map_, BASE) == pytest.approx(safe_speed_mps(0.1, 4.0, 0.1))
     assert speed_mps(control(map_error_m=0.1), map_, None) > 1.0
+
+
+@settings(max_examples=80, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    v_mps=st.floats(-1.5, 1.5),
+    omega_radps=st.floats(-3.0, 3.0),
+    post_m=st.tuples(st.floats(-0.9, 0.9), st.floats(-0.9, 0.9)),
+)
+def test_on_its_arc_it_stops_before_it_comes_too_near(
+    draw_map: DrawMap, v_mps: float, omega_radps: float, post_m: tuple[float, float]
+) -> None:
+    map_ = draw_map(lambda x, y: np.hypot(x - post_m[0], y - post_m[1]) < 0.08)
+    braking = Braking(ahead_mps2=2.0, near_mps2=4.0, reaction_s=0.1)
+    driven_mps = speed_around_mps(map_, Twist(v_mps, omega_radps), RADIUS_M, braking)
+    assert driven_mps * v_mps >= 0.0
+    assert abs(driven_mps) <= abs(v_mps)
+    if min(abs(driven_mps), abs(omega_radps)) < 1e-3:
+        return
+    stop_s = (abs(driven_mps) * 0.1 + driven_mps**2 / 4.0) / abs(driven_mps)
+    x_m = y_m = 0.0
+    yaw_rad, dt_s = 0.0, stop_s / 500
+    here_m = float(map_.obstacle_m_at(np.zeros(1), np.zeros(1))[0])
+    while abs(yaw_rad) < math.pi / 2 and stop_s > 0.0:
+        midway_rad = yaw_rad + omega_radps * dt_s / 2
+        x_m, y_m = x_m + driven_mps * dt_s * math.cos(midway_rad), y_m + driven_mps * dt_s * math.sin(midway_rad)
+        yaw_rad, stop_s = yaw_rad + omega_radps * dt_s, stop_s - dt_s
+        near_m = float(map_.obstacle_m_at(np.array([x_m]), np.array([y_m]))[0])
+        # The law looks at steps of half a cell.
+        assert near_m >= min(RADIUS_M, here_m) - 0.03
+
+
+def test_a_bend_that_would_end_in_a_post_is_driven_more_slowly_and_tighter(draw_map: DrawMap) -> None:
+    braking = Braking(ahead_mps2=2.0, near_mps2=4.0, reaction_s=0.1)
+    fast = Twist(v_mps=1.2, omega_radps=2.0)
+    # To the left of the way straight on: not in the way of a disc that does not turn, nor of one that turns tighter.
+    post = draw_map(lambda x, y: np.hypot(x - 0.5, y - 0.35) < 0.08)
+    assert free_way_m(post, RADIUS_M) > 1.0
+    assert 0.0 < speed_around_mps(post, fast, RADIUS_M, braking) < 1.2
+    assert speed_around_mps(draw_map(), fast, RADIUS_M, braking) == 1.2
+    straight = Twist(v_mps=1.2, omega_radps=0.0)
+    assert speed_around_mps(post, straight, RADIUS_M, braking) == 1.2
 
 
 def test_no_command_is_faster_than_the_base() -> None:
