@@ -131,6 +131,9 @@ from .core.messages import (
     Potential as Potential,
 )
 from .core.messages import (
+    RecoveryState as RecoveryState,
+)
+from .core.messages import (
     Scan as Scan,
 )
 from .core.messages import (

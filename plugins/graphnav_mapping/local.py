@@ -9,13 +9,29 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from graphnav import Continuity, FlowDeviation, LocalMap, Motion, Mount, ParamError, Plane, Stage, Stamp, param
+from graphnav import (
+    Continuity,
+    FlowDeviation,
+    Latest,
+    LocalMap,
+    Motion,
+    Mount,
+    ParamError,
+    Plane,
+    RecoveryState,
+    Stage,
+    Stamp,
+    param,
+)
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
 from graphnav_mapping.movers import Look, Mover, Movers, swept
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid, without_jump
 
 _OBSTACLE_EVIDENCE = 1.0
 _PRESUMED_FREE = -0.2
+_FORGOTTEN = 0.5
+"""Evidence of an obstacle that is forgotten: unknown, and an obstacle again if a full frame shows it."""
+_NO_RECOVERY: Latest[RecoveryState] = Latest()
 _BESIDE = np.ones((3, 3), np.uint8)
 _LOOK_BACK_S = 0.8
 """How long ago the floor was seen that tells what moves."""
@@ -39,6 +55,9 @@ class Local(Stage):
 
     Where ``deviation`` is wired, a cell whose flow is likely to be off by more than ``sure_px`` counts for less, by the
     square of their ratio.
+
+    Where ``recovery`` is wired, obstacles that fewer full frames than its ``doubt`` have shown, less those that have
+    shown floor there, are forgotten when a recovery begins: they are unknown until they are seen again, however small.
     """
 
     camera_height_m: float = param(1.0, ge=0.01, le=100.0, doc=Mount.HEIGHT_DOC)
@@ -116,10 +135,18 @@ class Local(Stage):
         """Know nothing."""
         self._mount = MaskMount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
         self._continuity = Continuity()
+        self._recoveries = 0
         self._near: Bools | None = None
         self._start()
 
-    def step(self, plane: Plane, motion: Motion, stamp: Stamp, deviation: FlowDeviation | None = None) -> LocalMap:
+    def step(
+        self,
+        plane: Plane,
+        motion: Motion,
+        stamp: Stamp,
+        deviation: FlowDeviation | None = None,
+        recovery: Latest[RecoveryState] = _NO_RECOVERY,
+    ) -> LocalMap:
         """Return the map with this frame.
 
         It restarts after a gap of more than 3 periods, and where the motion is longer than half of the map: odometry
@@ -130,6 +157,7 @@ class Local(Stage):
             self._start()
         motion, grid = usable, self._grid
         grid.move(motion)
+        self._forget(recovery.value)
         floor_to_pixels = self._mount.floor_to_pixels(*plane.valid.shape)
         seen = grid.seen(self._labels(plane), floor_to_pixels)
         moved_m = math.hypot(motion.forward_m, motion.left_m)
@@ -146,6 +174,15 @@ class Local(Stage):
         if movers:
             behind = cv2.dilate(swept(seen.shape, movers, -1.0), _BESIDE)
             self._grid.evidence[(behind != 0) & (seen == GROUND)] = _PRESUMED_FREE
+
+    def _forget(self, recovery: RecoveryState | None) -> None:
+        """Forget obstacles that few frames have shown, when a recovery begins."""
+        if recovery is not None and recovery.recoveries != self._recoveries:
+            self._recoveries = recovery.recoveries
+            grid = self._grid
+            few = (grid.evidence > _FORGOTTEN) & (grid.shown < recovery.doubt)
+            grid.evidence[few] = _FORGOTTEN
+            grid.forgotten |= few
 
     def _start(self) -> None:
         self._driven_m = 0.0
@@ -179,8 +216,10 @@ class Local(Stage):
         return self._grid.seen(np.square(sureness), floor_to_pixels)
 
     def _add(self, seen: Bytes, weight: Floats | np.float32) -> None:
-        evidence = self._grid.evidence
+        evidence, shown = self._grid.evidence, self._grid.shown
         evidence += np.array([0.0, -self.miss, self.hit], np.float32)[seen] * weight
+        shown += np.array([0.0, -1.0, 1.0], np.float32)[seen] * weight
+        np.maximum(shown, 0.0, out=shown)
         np.clip(evidence, -self.max_free_evidence, self.max_evidence, evidence)
         if self._driven_m < self.presumed_m:
             evidence[(seen == GROUND) & (np.abs(evidence) < -_PRESUMED_FREE)] = _PRESUMED_FREE
@@ -189,7 +228,8 @@ class Local(Stage):
         grid = self._grid
         state = (grid.evidence <= _PRESUMED_FREE).astype(np.uint8)
         state[grid.evidence >= _OBSTACLE_EVIDENCE] = LocalMap.OBSTACLE
-        state[small_regions(state == LocalMap.UNKNOWN, self.min_unknown_m2 / grid.cell_m**2)] = LocalMap.FREE
+        small = small_regions(state == LocalMap.UNKNOWN, self.min_unknown_m2 / grid.cell_m**2)
+        state[small & ~grid.forgotten] = LocalMap.FREE
         state[ahead != 0] = LocalMap.MOVING
         return grid.to_map(state)
 

@@ -13,13 +13,17 @@ from graphnav import LocalMap, Motion, ParamError
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
 
 Picture = TypeVar("Picture", Bytes, Floats)
+Layer = TypeVar("Layer", Floats, Bools)
 GROUND, OBSTACLE = 1, 2
 """Labels of a picture's cells; 0 is not judged."""
 _MIN_CELLS, _MAX_CELLS = 8, 2000
 
 
 class RollingGrid:
-    """Log-odds that a cell of the floor holds an obstacle; 0 is unknown.
+    """Log-odds that a cell of the floor holds an obstacle, ``evidence``; 0 is unknown.
+
+    ``shown``: in how many full frames each cell was an obstacle, less those in which it was ground. ``forgotten``:
+    where obstacles were forgotten.
 
     The grid keeps the orientation that the robot had at its start. It is shifted by cells when the robot has left its
     middle.
@@ -36,6 +40,8 @@ class RollingGrid:
         cells = _cells(size_m, cell_m)
         self.cell_m = cell_m
         self.evidence: Floats = np.zeros((cells, cells), np.float32)
+        self.shown: Floats = np.zeros((cells, cells), np.float32)
+        self.forgotten: Bools = np.zeros((cells, cells), np.bool_)
         self._middle_m = (cells - 1) / 2 * cell_m
         self.origin_x_m = self.origin_y_m = -self._middle_m
         self.x_m = self.y_m = self.yaw_rad = 0.0
@@ -111,15 +117,22 @@ class RollingGrid:
 
     def _shift(self, right: int, down: int) -> None:
         """Move the grid by cells, so that the robot is in its middle again."""
-        size = len(self.evidence)
-        moved = np.zeros_like(self.evidence)
-        rows, cols = slice(max(down, 0), size + min(down, 0)), slice(max(right, 0), size + min(right, 0))
-        to_rows, to_cols = slice(max(-down, 0), size + min(-down, 0)), slice(max(-right, 0), size + min(-right, 0))
-        moved[to_rows, to_cols] = self.evidence[rows, cols]
-        self.evidence = moved
+        self.evidence = _shifted(self.evidence, right, down)
+        self.shown = _shifted(self.shown, right, down)
+        self.forgotten = _shifted(self.forgotten, right, down)
         self.corner = self.corner[0] + right, self.corner[1] + down
         self.origin_x_m += right * self.cell_m
         self.origin_y_m += down * self.cell_m
+
+
+def _shifted(values: Layer, right: int, down: int) -> Layer:
+    """Return the values (rows, cols) of a grid that was moved by cells, 0 where they are new."""
+    size = len(values)
+    moved = np.zeros_like(values)
+    rows, cols = slice(max(down, 0), size + min(down, 0)), slice(max(right, 0), size + min(right, 0))
+    to_rows, to_cols = slice(max(-down, 0), size + min(-down, 0)), slice(max(-right, 0), size + min(-right, 0))
+    moved[to_rows, to_cols] = values[rows, cols]
+    return moved
 
 
 def without_jump(motion: Motion, size_m: float) -> Motion:

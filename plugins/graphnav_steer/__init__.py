@@ -16,6 +16,7 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_steer.pca import Pca
     from graphnav_steer.picture_gap import PictureGap
     from graphnav_steer.random import Random
+    from graphnav_steer.recovery import Recovery
     from graphnav_steer.rollout import Rollout
     from graphnav_steer.time_to_contact import TimeToContact
     from graphnav_steer.vfh import Vfh
@@ -31,6 +32,7 @@ def graphnav_stages() -> list[type[Stage]]:
         Pca,
         PictureGap,
         Random,
+        Recovery,
         Rollout,
         TimeToContact,
         Vfh,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from graphnav import Goal, Latest, LocalMap, Stage, Steering, param
+from graphnav import Goal, Latest, LocalMap, RecoveryState, Stage, Steering, param
 from graphnav.arrays import Bools, Doubles, Indices
 from graphnav_steer.giving_way import out_of_the_way_rad
 from graphnav_steer.headings import apart_rad, headed
@@ -16,6 +16,7 @@ from graphnav_steer.local_paths import beside, cheapest_paths
 
 Point = tuple[float, float]
 
+_NO_RECOVERY: Latest[RecoveryState] = Latest()
 _TRAIL_STEP_M = 0.1
 _FAR_M = 1e6
 """A goal that is farther away counts as this far: only its bearing matters."""
@@ -48,6 +49,9 @@ class Frontier(Stage):
 
     What moves and is about to reach the robot makes it drive out of the way: straight on or, with an angle of pi,
     straight back over floor that it knows, whichever is shorter. ``control.nonholonomic`` needs ``reversing`` for that.
+
+    Where ``recovery`` is wired, the robot takes a frontier of any size if there is no other one, from when it is to try
+    another way for the first time.
 
     References
     ----------
@@ -124,10 +128,17 @@ class Frontier(Stage):
         self._trail: list[Point] = []
         self._chosen: Point | None = None
         self._spin = 1.0
+        self._takes_any_size = False
 
-    def step(self, map: LocalMap, goal: Latest[Goal]) -> Steering:  # noqa: A002  # the port's name
+    def step(
+        self,
+        map: LocalMap,  # noqa: A002  # the port's name
+        goal: Latest[Goal],
+        recovery: Latest[RecoveryState] = _NO_RECOVERY,
+    ) -> Steering:
         """Return the steering along the path: no repulsive force, a guiding force of length 1."""
         self._remember(map)
+        self._takes_any_size |= recovery.value is not None and recovery.value.doing == "other_way"
         return headed(self._theta_rad(map, goal.value))
 
     def _remember(self, map: LocalMap) -> None:  # noqa: A002
@@ -156,14 +167,17 @@ class Frontier(Stage):
         (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
         open_cells = self._open(map, int(row), int(col))
         known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[row, col])))
-        beyond = _wide(open_cells & ~known, self.min_frontier_m2 / map.cell_m**2)
-        frontier = beyond & beside(known)
-        paths = cheapest_paths((int(row), int(col)), np.where(known | frontier, price, math.inf), map.cell_m)
-        end = None if goal is None else self._at_goal(map, goal, np.isfinite(paths.cost_m))
-        if goal is not None and end is not None:
-            return Way(_goal_m(map, goal), paths.to(*end))
-        rows, cols = np.nonzero(frontier & np.isfinite(paths.cost_m))
-        if not len(rows):
+        beyond = open_cells & ~known
+        for min_m2 in (self.min_frontier_m2, 0.0)[: 1 + self._takes_any_size]:
+            frontier = _wide(beyond, min_m2 / map.cell_m**2) & beside(known)
+            paths = cheapest_paths((int(row), int(col)), np.where(known | frontier, price, math.inf), map.cell_m)
+            end = None if goal is None else self._at_goal(map, goal, np.isfinite(paths.cost_m))
+            if goal is not None and end is not None:
+                return Way(_goal_m(map, goal), paths.to(*end))
+            rows, cols = np.nonzero(frontier & np.isfinite(paths.cost_m))
+            if len(rows):
+                break
+        else:
             return None
         x_m, y_m = map.places_m(rows, cols)
         cost_m = paths.cost_m[rows, cols] + self._cost_beyond_m(map, goal, x_m, y_m)

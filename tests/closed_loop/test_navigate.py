@@ -92,7 +92,7 @@ def test_the_parts_add_up_to_the_graph_navigate(catalog: Catalog) -> None:
     for folder, graph in built.items():
         world = folder.removesuffix("/navigate").split("/")[-1]
         shipped = load_graph(f"navigate/{world}", catalog)
-        for stage in ("flow", "plane", "egomotion", "local", "steer", "control"):
+        for stage in ("flow", "plane", "egomotion", "local", "steer", "recovery", "control"):
             assert graph.node(stage).use == shipped.node(stage).use
             assert graph.node(stage).params == shipped.node(stage).params
 

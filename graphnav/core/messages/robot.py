@@ -179,6 +179,20 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
         return texts
 
 
+class RecoveryState(Message, lcm=graphnav_lcm.recovery_state_t):
+    """What is done about a robot that turns on one place and does not get on.
+
+    ``doing``: "" while it gets on, "look_again", "other_way" or "back_out". ``recoveries``: how many have begun since
+    the start; as this grows, a map forgets obstacles that fewer full frames than ``doubt`` have shown. ``turned_rad``:
+    how far the robot has turned, to either side, on the place where it is.
+    """
+
+    doing: str
+    recoveries: int
+    turned_rad: float
+    doubt: float
+
+
 class State(Message, lcm=graphnav_lcm.state_t):
     """The true state of the simulated robot; for scores and oracles only.
 
