@@ -128,11 +128,11 @@ class Recovery(Stage):
             self._begin_again(map)
 
     def _is_free_behind(self, map: LocalMap, way_m: float) -> bool:  # noqa: A002
-        """Whether the robot can drive straight back so far over floor that is known to be free."""
+        """Whether all floor below the robot is known to be free if it drives straight back so far."""
         steps_m = np.arange(0.0, way_m + map.cell_m, map.cell_m)
         aside_m = np.zeros_like(steps_m)
-        near_m, unknown_m = map.obstacle_m_at(-steps_m, aside_m), map.unknown_m_at(-steps_m, aside_m)
-        return bool(self.back_m and near_m.min() >= self.robot_radius_m and unknown_m.min() > 0.0)
+        clear_m = np.minimum(map.obstacle_m_at(-steps_m, aside_m), map.unknown_m_at(-steps_m, aside_m))
+        return bool(self.back_m and clear_m.min() >= self.robot_radius_m)
 
 
 class _Place(NamedTuple):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from graphnav_mapping.local import Local
 
-from graphnav import FlowDeviation, LocalMap, Motion, ParamError, Plane, Stamp
+from graphnav import FlowDeviation, Latest, LocalMap, Motion, ParamError, Plane, RecoveryState, Stamp
 
 from .conftest import Camera, Pillar, seen_plane
 
@@ -305,3 +305,33 @@ def test_a_judgement_by_flow_that_is_likely_to_be_off_counts_for_less() -> None:
 
     assert evidence(0.05) == evidence(None)
     assert evidence(0.2) == pytest.approx(evidence(None) / 4)
+
+
+def recovering(drive: Drive, recoveries: int, doubt: float) -> LocalMap:
+    """Return the map after a recovery has begun, of a robot that stands."""
+    recovery = RecoveryState(doing="look_again", recoveries=recoveries, turned_rad=13.0, doubt=doubt)
+    drive.utime += PERIOD_US
+    standing = Motion(0.0, 0.0, 0.0, PERIOD_US)
+    return drive.stage.step(unjudged(), standing, Stamp(drive.utime), None, Latest(recovery, 0.1))
+
+
+def test_obstacles_that_few_frames_have_shown_are_forgotten_when_a_recovery_begins() -> None:
+    drive = Drive(min_unknown_m2=1.0)
+    drive.steps(pillars(PILLAR), [(0.02, 0.0)] * 6)
+    at_foot = tuple(obstacles_m(drive.step(pillars(PILLAR), 0.0))[0])
+    assert state_at(recovering(drive, 0, 100.0), *at_foot) == LocalMap.OBSTACLE, "none has begun"
+    assert state_at(recovering(drive, 1, 1.0), *at_foot) == LocalMap.OBSTACLE, "as many frames have shown it"
+    forgetting = recovering(drive, 2, 100.0)
+    assert not len(obstacles_m(forgetting))
+    assert state_at(forgetting, *at_foot) == LocalMap.UNKNOWN, "however small, it does not count as free"
+    # What is really there is seen again, and once for all: the same recovery does not forget it again.
+    is_there(drive.steps(pillars(PILLAR), [(0.02, 0.0)] * 2), PILLAR, drive.camera)
+    assert len(obstacles_m(recovering(drive, 2, 100.0)))
+
+
+def test_frames_that_show_floor_count_against_what_was_shown() -> None:
+    drive = Drive(max_evidence=100.0, miss=0.01)
+    drive.steps(pillars(PILLAR), [(0.02, 0.0)] * 6)
+    drive.steps(pillars(), [(0.02, 0.0)] * 4)
+    assert len(obstacles_m(recovering(drive, 1, 1.0)))
+    assert not len(obstacles_m(recovering(drive, 2, 4.0)))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from graphnav_steer.frontier import Frontier
 
-from graphnav import Goal, Latest, LocalMap, Steering
+from graphnav import Goal, Latest, LocalMap, RecoveryState, Steering
 
 DrawMap = Callable[..., LocalMap]
 NONE: Latest[Any] = Latest()
@@ -167,6 +167,21 @@ def test_a_frontier_of_little_floor_is_not_worth_a_visit(draw_map: DrawMap) -> N
     # Its rim is seen under 0.27 rad.
     assert abs(theta_rad(map_, min_frontier_m2=0.01)) < 0.35
     assert abs(theta_rad(map_, min_frontier_m2=0.3)) == math.pi / 2
+
+
+def test_from_another_way_on_a_frontier_of_any_size_is_taken_where_there_is_no_other(draw_map: DrawMap) -> None:
+    def small(x: Any, y: Any) -> Any:
+        return np.hypot(x - 0.6, y) < 0.13
+
+    def doing(what: str) -> Latest[RecoveryState]:
+        return Latest(RecoveryState(doing=what, recoveries=1, turned_rad=0.0, doubt=8.0), 0.1)
+
+    stage = frontier(min_frontier_m2=0.3)
+    shut_in, wide = draw_map(room, small), draw_map(lambda x, y: x < -0.9, lambda x, y: small(x, y) | (y > 1.2))
+    found = [stage.step(shut_in, NONE, doing(what)).theta_rad for what in ("", "look_again", "other_way", "")]
+    assert [abs(theta) == math.pi / 2 for theta in found] == [True, True, False, False]
+    assert abs(found[-1]) < 0.35
+    assert stage.step(wide, NONE, doing("")).theta_rad == theta_rad(wide, min_frontier_m2=0.3)
 
 
 def test_touching_a_wall_the_robot_gets_away(draw_map: DrawMap) -> None:
