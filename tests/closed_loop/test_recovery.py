@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav import Recording
+from graphnav import Recording, RecoveryState, State
 from graphnav.core.runner.recording.summary import Summary
 
 Drive = Callable[..., tuple[Summary, Recording]]
@@ -45,7 +45,7 @@ def graphnav_stages():
 
 
 def doing(log: Recording) -> set[str]:
-    return {state.doing for _, _, state in log.messages("recovery.state")}
+    return {state.doing for _, _, state in log.messages("recovery.state") if isinstance(state, RecoveryState)}
 
 
 @pytest.mark.long
@@ -63,7 +63,8 @@ def test_a_robot_that_is_shut_in_gets_on_and_arrives(drive: Drive, tmp_path: Pat
     graph = str(tmp_path / "shut_in.yaml")
     summary, log = drive(graph, SEED, "recovery.turns=0", "run.until_s=30")
     with log:
-        places = [(m.x_m, m.y_m) for utime, _, m in log.messages("robot.state") if utime > END_S * 1_000_000]
+        states = [state for utime, _, state in log.messages("robot.state") if utime > END_S * 1_000_000]
+        places = [(state.x_m, state.y_m) for state in states if isinstance(state, State)]
         assert doing(log) == {""}
     xs, ys = zip(*places, strict=True)
     assert max(xs) - min(xs) < 0.2, "it turns on the spot"
