@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class recovery_state_t(object):
-    """ What is done about a robot that turns on one place and does not get on. """
+    """ State of the recovery of a robot that turns on one place and does not get on. """
 
     __slots__ = ["utime", "seq", "doing", "recoveries", "turned_rad", "doubt"]
 

@@ -19,6 +19,7 @@ _SAME_PLACE_M = 2.0
 """A recovery that begins nearer to the last one continues it: it doubts more."""
 _MIN_BACK_M = 0.15
 """How far the floor behind has to be free at least: less shows what is ahead from hardly another place."""
+_MAX_DOUBT = 1e6
 _REVOLUTION_RAD = 2 * math.pi
 
 
@@ -53,11 +54,16 @@ class Recovery(Stage):
     )
 
     turns: float = param(
-        2.0, ge=0.0, le=1000.0, doc="full turns on one place after which a recovery begins; 0: the robot never recovers"
+        2.0, ge=0.0, le=1000.0, doc="dimensionless: full turns on one place after which a recovery begins; 0: never"
     )
-    step_turns: float = param(1.0, gt=0.0, le=1000.0, doc="full turns on one place after which the next step begins")
+    step_turns: float = param(
+        1.0, gt=0.0, le=1000.0, doc="dimensionless: full turns on one place after which the next step begins"
+    )
     doubt: float = param(
-        8.0, ge=0.0, le=1e6, doc="full frames: what fewer have shown is forgotten first; doubles if that does not help"
+        8.0,
+        ge=0.0,
+        le=_MAX_DOUBT,
+        doc="dimensionless: full frames; what fewer have shown is forgotten, twice as many if that does not help",
     )
     back_m: float = param(0.6, ge=0.0, le=10.0, doc="how far the robot drives back; 0: it does not")
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body")
@@ -112,7 +118,7 @@ class Recovery(Stage):
 
     def _begin(self, place: _Place) -> None:
         is_same = self._began_at is not None and self._began_at.distance_m(place) < _SAME_PLACE_M
-        self._doubt = 2 * self._doubt if is_same else self.doubt
+        self._doubt = min(2 * self._doubt, _MAX_DOUBT) if is_same else self.doubt
         self._began_at = place
         self._doing = "look_again"
         self._recoveries += 1

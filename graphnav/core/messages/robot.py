@@ -180,7 +180,7 @@ class GuardState(Message, lcm=graphnav_lcm.guard_state_t):
 
 
 class RecoveryState(Message, lcm=graphnav_lcm.recovery_state_t):
-    """What is done about a robot that turns on one place and does not get on.
+    """State of the recovery of a robot that turns on one place and does not get on.
 
     ``doing``: "" while it gets on, "look_again", "other_way" or "back_out". ``recoveries``: how many have begun since
     the start; as this grows, a map forgets obstacles that fewer full frames than ``doubt`` have shown. ``turned_rad``:
