@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 from result_pages.claims import claims, listed_claims, unchecked
+from result_pages.rivals import with_rivals
 from result_pages.shipped_results import RESULTS, ShippedResults
 from result_pages.tables import with_tables
 
@@ -48,7 +49,7 @@ def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
     if page == PAGE:
         for claim in listed_claims(FRONT_PAGE_CLAIMS.read_text("utf-8"), FRONT_PAGE.read_text("utf-8")):
             yield from (f"{FRONT_PAGE_CLAIMS.name}, {problem}" for problem in claim.problems(read(claim.study)))
-    if with_tables(text, read) != text:
+    if with_tables(with_rivals(text, folder), read) != text:
         yield "the tables are not fresh; run python tools/gen_results.py"
 
 
@@ -67,7 +68,7 @@ def main() -> int:
         target.mkdir(exist_ok=True)
         for name in (*FILES, *([PICTURE] if (study / PICTURE).is_file() else [])):
             shutil.copyfile(study / name, target / name)
-    PAGE.write_text(with_tables(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    PAGE.write_text(with_tables(with_rivals(PAGE.read_text(encoding="utf-8"))), encoding="utf-8")
     return 0
 
 

@@ -7,6 +7,7 @@ from graphnav import Stage, hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages of the family."""
     from graphnav_steer.balance import Balance
+    from graphnav_steer.dwa import Dwa
     from graphnav_steer.follow_the_gap import FollowTheGap
     from graphnav_steer.forward import Forward
     from graphnav_steer.frontier import Frontier
@@ -23,6 +24,7 @@ def graphnav_stages() -> list[type[Stage]]:
 
     return [
         Balance,
+        Dwa,
         FollowTheGap,
         Forward,
         Frontier,

@@ -11,6 +11,7 @@ import numpy as np
 from graphnav import Goal, Latest, LocalMap, Motion, Stage, Twist, param
 from graphnav.arrays import Doubles, Indices
 from graphnav_steer.local_paths import Paths, cheapest_paths
+from graphnav_steer.speed_window import measured_speeds, window
 
 _STEP_S = 0.05
 """Step of the simulation."""
@@ -144,7 +145,7 @@ class Rollout(Stage):
     def step(self, map: LocalMap, goal: Latest[Goal], motion: Latest[Motion]) -> Twist:  # noqa: A002  # the port's name
         """Return the command."""
         costs = self._costs(map, goal.value or Goal(bearing_rad=0.0, distance_m=_FAR_M))
-        now = _speeds(motion.value)
+        now = measured_speeds(motion.value)
         forward, turns = self._sampled(now)
         if self._is_escaping(map):
             forward = forward[:, :0]
@@ -189,14 +190,12 @@ class Rollout(Stage):
 
     def _sampled(self, now: tuple[float, float]) -> tuple[Doubles, Doubles]:
         """Return the speeds of the window, (2, n): those that drive forward, and turns on the spot."""
-        (v_mps, omega_radps), window_mps = now, self.max_accel_mps2 * self.period_s
-        low_mps = max(self.min_speed_mps, v_mps - window_mps)
-        high_mps = max(min(self.max_speed_mps, v_mps + window_mps), self.min_speed_mps)
-        window_radps = self.max_turn_accel_radps2 * self.period_s
-        low_radps = max(-self.max_turn_radps, omega_radps - window_radps)
-        high_radps = min(self.max_turn_radps, omega_radps + window_radps)
+        (v_mps, omega_radps), change_radps = now, self.max_turn_accel_radps2 * self.period_s
+        high_mps = max(self.max_speed_mps, self.min_speed_mps)
+        low_mps, high_mps = window(v_mps, self.max_accel_mps2 * self.period_s, self.min_speed_mps, high_mps)
+        low_radps, high_radps = window(omega_radps, change_radps, -self.max_turn_radps, self.max_turn_radps)
         rates = np.linspace(low_radps, high_radps, self.turn_samples)
-        speeds = np.linspace(min(low_mps, high_mps), high_mps, self.speed_samples)
+        speeds = np.linspace(low_mps, high_mps, self.speed_samples)
         forward = np.stack(np.meshgrid(speeds, np.append(0.0, rates), indexing="ij")).reshape(2, -1)
         rates = rates[np.abs(rates) > (high_radps - low_radps) / (self.turn_samples - 1)]
         rates = np.copysign(np.maximum(np.abs(rates), self.min_turn_radps), rates)
@@ -284,14 +283,6 @@ def _end(map: LocalMap, goal: Goal, paths: Paths) -> tuple[int, int]:  # noqa: A
             beyond_m = beyond_m[on_rim] + paths.cost_m[at_row, at_col]
     best = int(np.argmin(beyond_m))
     return int(at_row[best]), int(at_col[best])
-
-
-def _speeds(motion: Motion | None) -> tuple[float, float]:
-    """Return forward speed and turning rate of the last interval, standstill without one."""
-    if motion is None or motion.interval_us <= 0:
-        return 0.0, 0.0
-    per_s = 1e6 / motion.interval_us
-    return motion.forward_m * per_s, motion.turn_rad * per_s
 
 
 def _approached(now: float, wanted: Doubles, max_change: Doubles) -> Doubles:

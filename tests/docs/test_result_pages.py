@@ -9,6 +9,7 @@ from gen_results import PAGE as PAGE_OF_RESULTS
 from gen_results import problems
 from result_pages.claims import Claim, claims, listed_claims, unchecked
 from result_pages.expression import evaluate
+from result_pages.rivals import with_rivals
 from result_pages.shipped_results import ShippedResults
 from result_pages.tables import with_tables
 
@@ -258,3 +259,36 @@ def test_a_case_that_was_not_run_or_has_no_such_metric_is_blank(results: Shipped
             "| blind |  |  |",
             "| broken |  |  |",
         ]
+
+
+RIVALS = """# Page
+
+<!-- section rivals -->
+<!-- end of section -->
+"""
+
+
+def test_the_section_on_rivals_is_written_from_the_results_with_a_check_of_each_sentence(tmp_path: Path) -> None:
+    lines = [HEADER.replace("sight.auroc", "drive.spl").replace("condition,", "")]
+    for variant in ("homography", "ica", "one gain", "truth", "vfh", "vfh truth"):
+        for seed in range(10):
+            arrives = variant != "ica" or seed < 2
+            outcome = f"{'goal' if arrives else 'contact'},,9,1.0,{float(arrives)},{0.9 * arrives}"
+            lines.append(f"rivals/low,{variant},method,{variant},{seed},{outcome}")
+    (tmp_path / "rivals").mkdir()
+    (tmp_path / "rivals" / "results.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    def read(study: str) -> ShippedResults:
+        return ShippedResults.read(study, tmp_path)
+
+    page = with_tables(with_rivals(RIVALS, tmp_path), read)
+    assert "- **ICA** and the homography, in 1 worlds: by arriving behind in `low` (2 and 10 arrive)" in page
+    assert "- **`vfh`** and the path, on what the homography sees, in 1 worlds: by arriving told apart in none" in page
+    assert "| ica | 2 |" in page
+    assert not list(unchecked(page))
+    assert not [problem for claim in claims(page) for problem in claim.problems(read(claim.study))]
+    assert with_tables(with_rivals(page, tmp_path), read) == page
+
+
+def test_without_results_the_section_is_empty(tmp_path: Path) -> None:
+    assert with_rivals(RIVALS.replace("-->\n<!-- end", "-->\nan old sentence\n<!-- end"), tmp_path) == RIVALS

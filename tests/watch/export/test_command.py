@@ -97,5 +97,5 @@ def test_the_python_door_takes_a_recording(drive: Path, tmp_path: Path) -> None:
     with Recording(drive / "run.lcmlog") as recording:
         done = export_log(recording, "csv", tmp_path / "t", Selection(("robot.*",), until_s=0.5), on_time=times.append)
     assert done.losses == []
-    assert done.contents.endswith(" of 6 channels, one file per channel")
+    assert done.contents.endswith(" of 7 channels, one file per channel")
     assert 0.0 <= min(times) <= max(times) <= 0.5

@@ -152,10 +152,10 @@ def test_it_fits_the_window_and_can_be_read(page: Browser, width: int, dark: boo
         assert page.evaluate(f"contrast({selector!r})") >= 4.5, selector
 
 
-def test_labels_and_wires_of_six_outputs_do_not_cross(page: Browser) -> None:
+def test_labels_and_wires_of_seven_outputs_do_not_cross(page: Browser) -> None:
     page.resize(1280, 900)
     labels = "all('.edge').flatMap((one) => [one.querySelector('.rate'), one.querySelector('.lost')])"
-    assert page.evaluate("""all('.edge[aria-label^="robot."]').length""") == 6
+    assert page.evaluate("""all('.edge[aria-label^="robot."]').length""") == 7
     crossings = page.evaluate(f"""(() => {{
       const boxes = {labels}.filter((node) => node.textContent).map((node) => node.getBBox());
       const hits = boxes.filter((a) => boxes.some((b) => a !== b && a.x < b.x + b.width && b.x < a.x + a.width
