@@ -30,6 +30,10 @@ _UNDECLARED_DECEL_MPS2, _UNDECLARED_REACTION_S = 0.5, 0.25
 """Deceleration and reaction to count on where no base declares its limits."""
 _KEPT_DELAYS = 5
 """The longest of so many images counts: one that was overtaken delays the next, too."""
+_STILL = 1e-6
+"""m/s and rad/s: a slower robot drives no arc."""
+_SHARES = np.linspace(1.0, 0.1, 10)
+"""Of a speed: those that are tried to drive around what the arc of the full speed leads to."""
 _NOT_DECLARED, _NEW = Latest[BaseLimits](), Age(0.0)
 
 
@@ -43,12 +47,6 @@ class Braking(NamedTuple):
     ahead_mps2: float
     near_mps2: float | None
     reaction_s: float
-
-
-_STILL = 1e-6
-"""m/s and rad/s: a slower robot drives no arc."""
-_SHARES = np.linspace(1.0, 0.1, 10)
-"""Of a speed: those that are tried to drive around what the arc of the full speed leads to."""
 
 
 class Nonholonomic(Stage):

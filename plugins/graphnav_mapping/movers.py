@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from graphnav.arrays import Bools, Bytes, Indices
-from graphnav_mapping.rolling_grid import GROUND, OBSTACLE
+from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, shifted
 
 _MIN_CELLS = 6
 _MIN_NEW_RATIO = 0.05
@@ -99,7 +99,7 @@ class Movers:
         elapsed_s = (look.utime - before.utime) * 1e-6
         if look.utime - before.utime < self._interval_us / 2:
             return []
-        was = _shifted(before.labels, before.corner[0] - look.corner[0], before.corner[1] - look.corner[1])
+        was = shifted(before.labels, look.corner[0] - before.corner[0], look.corner[1] - before.corner[1])
         was_obstacle = (was == OBSTACLE).view(np.uint8)
         there = cv2.dilate(was_obstacle, _NEAR) != 0
         is_new = (was == GROUND) & ~there
@@ -138,11 +138,4 @@ def swept(shape: tuple[int, int], movers: list[Mover], ahead_s: float) -> Bytes:
             col = np.rint(mover.cols + share * ahead_s * mover.cols_per_s).astype(np.intp)
             inside = (row >= 0) & (col >= 0) & (row < shape[0]) & (col < shape[1])
             found[row[inside], col[inside]] = 1
-    return found
-
-
-def _shifted(labels: Bytes, right: int, down: int) -> Bytes:
-    """Return labels (rows, cols) moved by cells, 0 where none were."""
-    moved = np.array([[1.0, 0.0, right], [0.0, 1.0, down]])
-    found: Bytes = cv2.warpAffine(labels, moved, labels.shape[::-1], flags=cv2.INTER_NEAREST)
     return found

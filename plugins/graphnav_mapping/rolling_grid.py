@@ -13,7 +13,7 @@ from graphnav import LocalMap, Motion, ParamError
 from graphnav.arrays import Bools, Bytes, Doubles, Floats
 
 Picture = TypeVar("Picture", Bytes, Floats)
-Layer = TypeVar("Layer", Floats, Bools)
+Layer = TypeVar("Layer", Floats, Bools, Bytes)
 GROUND, OBSTACLE = 1, 2
 """Labels of a picture's cells; 0 is not judged."""
 _MIN_CELLS, _MAX_CELLS = 8, 2000
@@ -117,20 +117,21 @@ class RollingGrid:
 
     def _shift(self, right: int, down: int) -> None:
         """Move the grid by cells, so that the robot is in its middle again."""
-        self.evidence = _shifted(self.evidence, right, down)
-        self.shown = _shifted(self.shown, right, down)
-        self.forgotten = _shifted(self.forgotten, right, down)
+        self.evidence = shifted(self.evidence, right, down)
+        self.shown = shifted(self.shown, right, down)
+        self.forgotten = shifted(self.forgotten, right, down)
         self.corner = self.corner[0] + right, self.corner[1] + down
         self.origin_x_m += right * self.cell_m
         self.origin_y_m += down * self.cell_m
 
 
-def _shifted(values: Layer, right: int, down: int) -> Layer:
+def shifted(values: Layer, right: int, down: int) -> Layer:
     """Return the values (rows, cols) of a grid that was moved by cells, 0 where they are new."""
-    size = len(values)
+    n_rows, n_cols = values.shape
+    right, down = max(-n_cols, min(right, n_cols)), max(-n_rows, min(down, n_rows))
     moved = np.zeros_like(values)
-    rows, cols = slice(max(down, 0), size + min(down, 0)), slice(max(right, 0), size + min(right, 0))
-    to_rows, to_cols = slice(max(-down, 0), size + min(-down, 0)), slice(max(-right, 0), size + min(-right, 0))
+    rows, cols = slice(max(down, 0), n_rows + min(down, 0)), slice(max(right, 0), n_cols + min(right, 0))
+    to_rows, to_cols = slice(max(-down, 0), n_rows - max(down, 0)), slice(max(-right, 0), n_cols - max(right, 0))
     moved[to_rows, to_cols] = values[rows, cols]
     return moved
 

@@ -72,3 +72,9 @@ def test_what_is_not_running_is_told(capsys: pytest.CaptureFixture[str]) -> None
     with RunningFile("01234567", "steps", Path.cwd(), is_live=False):
         assert main(["stop", "01234568"]) == 2
     assert capsys.readouterr().err == "no run '01234568' is running\n  did you mean '01234567'?\n"
+
+
+def test_a_fifo_in_place_of_what_was_printed_blocks_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    os.mkfifo(tmp_path / "printed.txt")
+    assert main(["logs", str(tmp_path)]) == 1
+    assert "it is a FIFO, not a regular file" in capsys.readouterr().err

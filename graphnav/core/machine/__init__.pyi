@@ -3,7 +3,7 @@
 from .console import Console
 from .escaped_streams import escaped_output
 from .extras import import_pandas, install_command, requirements_of
-from .files import is_own, path_aside, read_json, write_atomically
+from .files import is_own, open_regular, path_aside, read_json, write_atomically
 from .instruction_set import PORTABLE, expected_instruction_set, used_instruction_set
 from .packet_filter import keep_channels
 from .pins import OPT_OUT, lacking, pin
@@ -28,6 +28,7 @@ __all__ = [
     "keep_channels",
     "lacking",
     "no_user_folder",
+    "open_regular",
     "path_aside",
     "pin",
     "read_json",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import time
 from typing import TYPE_CHECKING
 
 from graphnav.core.cli import CommandArguments, Exit
+from graphnav.core.machine import open_regular
 from graphnav.core.parameters import command, flag
 from graphnav.processes.commands.stop import RUN
 
@@ -37,7 +39,7 @@ def main(args: CommandArguments) -> int:
 
 def _print_lines(path: Path, at: int, before: str, *, is_last: bool) -> int:
     """Print the lines of a file from a location on; return the location behind them."""
-    with path.open("rb") as file:
+    with os.fdopen(open_regular(path), "rb") as file:
         file.seek(at)
         while line := file.readline(_CHUNK_BYTES):
             if not line.endswith(b"\n") and len(line) < _CHUNK_BYTES and not is_last:
