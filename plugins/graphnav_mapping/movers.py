@@ -8,7 +8,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from graphnav.arrays import Bools, Bytes, Indices
+from graphnav.arrays import Bools, Bytes, Doubles, Indices
 from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, shifted
 
 _MIN_CELLS = 6
@@ -117,15 +117,25 @@ class Movers:
     def _shift(self, rows: Indices, cols: Indices, there: Bools, elapsed_s: float) -> tuple[int, int]:
         """Return by how many rows and columns the cells have moved from where an obstacle was, 0 if unknown."""
         reach = round(self._reach_m * elapsed_s / self._cell_m)
-        best, chosen = there[rows, cols].mean() + _MIN_GAIN_RATIO, (0, 0)
-        for down in range(-reach, reach + 1):
-            for right in range(-reach, reach + 1):
-                row, col = rows - down, cols - right
-                inside = (row >= 0) & (col >= 0) & (row < there.shape[0]) & (col < there.shape[1])
-                overlap = there[row[inside], col[inside]].sum() / len(rows) - 0.02 * float(np.hypot(down, right))
-                if overlap > best:
-                    best, chosen = overlap, (down, right)
-        return chosen
+        shifts = np.arange(-reach, reach + 1)
+        overlap = n_shared(rows, cols, there, reach) / len(rows) - 0.02 * np.hypot(shifts[:, None], shifts)
+        down, right = divmod(int(overlap.argmax()), len(shifts))
+        if overlap[down, right] <= there[rows, cols].mean() + _MIN_GAIN_RATIO:
+            return 0, 0
+        return down - reach, right - reach
+
+
+def n_shared(rows: Indices, cols: Indices, there: Bools, reach: int) -> Doubles:
+    """Return how many of the cells are ``there`` (rows, cols) if they are moved back by up to ``reach`` rows and columns.
+
+    (2 reach + 1, 2 reach + 1): by -reach rows and columns first.
+    """
+    top, left = rows.min(), cols.min()
+    cells = np.zeros((rows.max() - top + 1, cols.max() - left + 1), np.uint8)
+    cells[rows - top, cols - left] = 1
+    around = np.pad(there.view(np.uint8), reach)[top:, left:][: len(cells) + 2 * reach, : cells.shape[1] + 2 * reach]
+    counts = np.rint(cv2.matchTemplate(around, cells, cv2.TM_CCORR))
+    return np.asarray(counts[::-1, ::-1], np.float64)
 
 
 def swept(shape: tuple[int, int], movers: list[Mover], ahead_s: float) -> Bytes:
