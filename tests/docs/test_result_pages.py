@@ -54,6 +54,7 @@ def results(folder: Path) -> ShippedResults:
         'arrive("bend", "ica", at="dim") - 3 == 5 and n_graphs() == 1 and n_runs() == 21',
         'low("bend", "ica", "drive.success") > 0.4 and high("bend", "ica", "drive.success") < 1',
         'graphs_below("blind") == 1 and graphs_above("blind") == 0',
+        'round(low("bend", "ica", "drive.success", modulo=5), 2) == 0.46',  # five worlds, driven twice
     ],
 )
 def test_an_expression_that_the_results_bear_out_is_true(results: ShippedResults, expression: str) -> None:

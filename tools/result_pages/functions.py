@@ -47,22 +47,27 @@ def lowest(results: ShippedResults, graph: str, variant: str, metric: str, *, at
     return float(_values(results, graph, variant, metric, at).min())
 
 
-def low(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
-    """Return the lower end of the mean's 95 % interval."""
-    values = _values(results, graph, variant, metric, at)
-    return mean_interval(values, is_binary=results.is_binary(metric)).low
+def low(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "", modulo: int = 0) -> float:
+    """Return the lower end of the mean's 95 % interval; ``modulo``: see `interval`."""
+    values = _values(results, graph, variant, metric, at, modulo)
+    return mean_interval(values, is_binary=results.is_binary(metric) and not modulo).low
 
 
-def high(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
-    """Return the upper end of the mean's 95 % interval."""
-    values = _values(results, graph, variant, metric, at)
-    return mean_interval(values, is_binary=results.is_binary(metric)).high
+def high(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "", modulo: int = 0) -> float:
+    """Return the upper end of the mean's 95 % interval; ``modulo``: see `interval`."""
+    values = _values(results, graph, variant, metric, at, modulo)
+    return mean_interval(values, is_binary=results.is_binary(metric) and not modulo).high
 
 
-def interval(results: ShippedResults, graph: str, variant: str, metric: str, digits: int, *, at: str = "") -> str:
-    """Return the mean with its 95 % interval as they are printed."""
-    values = _values(results, graph, variant, metric, at)
-    ends = mean_interval(values, is_binary=results.is_binary(metric))
+def interval(
+    results: ShippedResults, graph: str, variant: str, metric: str, digits: int, *, at: str = "", modulo: int = 0
+) -> str:
+    """Return the mean with its 95 % interval as they are printed.
+
+    ``modulo``: seeds that are equal modulo this were run in one world; the means of the worlds are the samples.
+    """
+    values = _values(results, graph, variant, metric, at, modulo)
+    ends = mean_interval(values, is_binary=results.is_binary(metric) and not modulo)
     return f"{values.mean():.{digits}f} [{ends.low:.{digits}f}, {ends.high:.{digits}f}]"
 
 
@@ -167,11 +172,16 @@ def _nothing_in_common(cell: Cell, other: Cell, metric: str) -> UserError:
     return NotMeasuredError.of(f"{cell} and {other} have no world in common with '{metric}'", "compare others")
 
 
-def _values(results: ShippedResults, graph: str, variant: str, metric: str, at: str) -> Doubles:
-    found = list(results.values(Cell(graph, variant, at), metric).values())
+def _values(results: ShippedResults, graph: str, variant: str, metric: str, at: str, modulo: int = 0) -> Doubles:
+    found = results.values(Cell(graph, variant, at), metric)
     if not found:
         raise NotMeasuredError.of(f"no run of '{variant}' on '{graph}' has '{metric}'", "name another metric")
-    return np.array(found)
+    if not modulo:
+        return np.array(list(found.values()))
+    of_world: dict[int, list[float]] = {}
+    for seed, value in found.items():
+        of_world.setdefault(seed % modulo, []).append(value)
+    return np.array([np.mean(values) for values in of_world.values()])
 
 
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
