@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -60,15 +61,24 @@ def high(results: ShippedResults, graph: str, variant: str, metric: str, *, at: 
 
 
 def interval(
-    results: ShippedResults, graph: str, variant: str, metric: str, digits: int, *, at: str = "", modulo: int = 0
+    results: ShippedResults,
+    graph: str,
+    variant: str,
+    metric: str,
+    digits: int,
+    *,
+    at: str = "",
+    modulo: int = 0,
+    maximum: float = math.inf,
 ) -> str:
     """Return the mean with its 95 % interval as they are printed.
 
     ``modulo``: seeds that are equal modulo this were run in one world; the means of the worlds are the samples.
+    ``maximum``: of the metric, beyond which no interval reaches.
     """
     values = _values(results, graph, variant, metric, at, modulo)
     ends = mean_interval(values, is_binary=results.is_binary(metric) and not modulo)
-    return f"{values.mean():.{digits}f} [{ends.low:.{digits}f}, {ends.high:.{digits}f}]"
+    return f"{values.mean():.{digits}f} [{ends.low:.{digits}f}, {min(ends.high, maximum):.{digits}f}]"
 
 
 def difference(results: ShippedResults, graph: str, a: str, b: str, metric: str, *, at: str = "") -> float:
