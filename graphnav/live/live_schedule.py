@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 import threading
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from graphnav import Graph, GuardState, Message, Stage
 from graphnav.core.codec import encode
+from graphnav.core.errors import StageError
 from graphnav.core.graph import Channel, Node
 from graphnav.core.messages import Fired
 from graphnav.core.runner import (
@@ -16,6 +17,7 @@ from graphnav.core.runner import (
     LiveInbox,
     MatchedSet,
     Outcome,
+    RemoteUnit,
     Sink,
     StageCalls,
     Taken,
@@ -70,6 +72,8 @@ class LiveSchedule:
         self.clock = clock
         self.step_began: tuple[str, float] | None = None
         """The running stage and the start of its step, for other threads; None between two steps."""
+        self.is_idle = False
+        """Whether nothing that has arrived waits for a stage that could fire."""
         self.sink = StampedNow(sinks, clock)
         """Takes every message of the run, and its status."""
         self.outlets: dict[str, Outlet] = {}
@@ -129,6 +133,18 @@ class LiveSchedule:
         sources = [units[node.name] for node in self.graph.sources]
         self._sources = [(Timer(_after_s(unit), now_s), unit) for unit in sources]
 
+    @property
+    def is_changeable(self) -> bool:
+        """Whether stages can be changed while it runs: all of them live in this process."""
+        return not any(isinstance(unit, RemoteUnit) for unit in self.engine.units.values())
+
+    def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
+        """Let other stages take over from their next firing on, as `Engine.change` does; ``graph``: with them."""
+        failed = self.engine.change(nodes, stages)
+        self.graph = graph
+        self._order = [self.engine.units[node.name] for node in reversed(graph.order)]
+        return failed
+
     def is_needed(self, ref: str) -> bool:
         """Whether a stage cannot fire without this input, by reference."""
         return not all(port.latest for _, port in self._readers(self.intakes[ref].source.channel.name))
@@ -149,6 +165,7 @@ class LiveSchedule:
         """
         end_s = math.inf if until_s is None else self.clock.now_s() + until_s
         fired = False
+        self.is_idle = True
         while True:
             if self.clock.now_s() >= end_s:
                 return Outcome.TIMEOUT
@@ -158,6 +175,7 @@ class LiveSchedule:
                 self._wake.clear()
                 self._take_inputs()
             outcome, fired = self._turn()
+            self.is_idle = not fired
             if outcome is not None:
                 self._finish()
                 return outcome

@@ -16,6 +16,7 @@ from graphnav.core.notices import print_notice
 from graphnav.core.record import ThreadedLogWriter
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import (
+    Changes,
     LiveSink,
     Measured,
     Outcome,
@@ -35,6 +36,9 @@ from graphnav.live.inputs.playback import Playback
 from graphnav.live.live_schedule import LiveSchedule
 
 _WATCH_PERIOD_S = 0.5
+_BUSY_S = 0.5
+"""So long a change waits for a moment in which no stage could fire, so that stages before and behind it have seen the
+same stamps."""
 _HANGS_S = 1.0
 """A step that takes longer is told of."""
 
@@ -53,6 +57,7 @@ def run_live(
     notice: Callable[[str], None] = print_notice,
     should_stop: Callable[[], bool] = lambda: False,
     stall: StallLimit | None = None,
+    changes: Changes | None = None,
 ) -> Summary:
     """Run ``graph`` live into ``folder``, which must exist, and return the content of its ``summary.json``.
 
@@ -61,6 +66,7 @@ def run_live(
     ``on_time`` gets the seconds since the start now and then, ``notice`` gets warnings of late and lost messages;
     ``should_stop`` ends the run as Ctrl-C does, for runs outside the main thread. ``stall``: when a call into a stage
     that does not return ends the process, None for never; motor channels get a stop then, as whenever the run dies.
+    ``changes`` its stages while it lasts.
 
     Raises
     ------
@@ -69,7 +75,7 @@ def run_live(
     CtrlC
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
-    run = _LiveRun(graph, folder.absolute(), live_url(graph, url), tap, run_id, on_failure)
+    run = _LiveRun(graph, folder.absolute(), live_url(graph, url), tap, run_id, on_failure, changes)
 
     def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
         run.begin(stages, keep, notice, calls, cleanup)
@@ -89,9 +95,11 @@ class _LiveRun:
         tap: LiveSink | None,
         run_id: str,
         on_failure: Callable[[GraphnavError], None],
+        changes: Changes | None,
     ) -> None:
         self._graph, self._folder, self._url, self._tap, self._run_id = graph, folder, url, tap, run_id
-        self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured)
+        self._changes = changes
+        self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured, changes)
         self._wake = threading.Event()
 
     def begin(
@@ -147,6 +155,9 @@ class _LiveRun:
         link = opened(graph, schedule, self._url, self._wake, observer)
         with link as motors, closing(Watchdog(schedule, observer.tell)):
             playback.start()
+            sinks: list[Sink] = [self._writer] if self._tap is None else [self._writer, self._tap]
+            if self._changes is not None:
+                self._changes.begin(schedule)
 
             def keep_going() -> bool:
                 if observer.look():
@@ -155,7 +166,11 @@ class _LiveRun:
                     motors.check()
                 if playback.failure:
                     raise GraphnavError(playback.failure)
-                return not should_stop()
+                if should_stop():
+                    return False
+                if self._changes is not None and (schedule.is_idle or self._changes.waits_s > _BUSY_S):
+                    self._changes.take(self._clock.now(), sinks)
+                return True
 
             try:
                 self.record.outcome = schedule.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))

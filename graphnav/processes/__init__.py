@@ -4,5 +4,8 @@ COMMANDS = {
     "ps": "list the runs that are running, and the processes of their stages",
     "logs": "print what a running or ended run printed",
     "stop": "end a run that is running",
+    "set": "set parameters of stages of a running run",
+    "swap": "swap stages of a running run",
+    "restart": "restart a stage of a running run",
 }
 """Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""

@@ -8,7 +8,7 @@ import signal
 import socket
 import sys
 
-from graphnav.processes.descriptors import peer_of
+from graphnav.core.machine import peer_of
 
 _PR_SET_PDEATHSIG = 1
 

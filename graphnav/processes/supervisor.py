@@ -18,11 +18,11 @@ from typing import Any
 from graphnav import Graph, GraphnavError
 from graphnav.core.graph import Part, part_yaml
 from graphnav.core.interrupts import CtrlC, ctrl_c_later
-from graphnav.core.machine import ONE_THREAD
+from graphnav.core.machine import ONE_THREAD, peer_of
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import CODE, new_run_id, provenance
 from graphnav.processes import child
-from graphnav.processes.descriptors import is_readable, peer_of
+from graphnav.processes.descriptors import is_readable
 from graphnav.processes.journal import Journal
 from graphnav.processes.output_lines import OutputLines
 from graphnav.processes.restarts import Restarts, ending

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from graphnav import Graph, UserError, did_you_mean
 from graphnav.core.graph import Channel
+from graphnav.replay.log.changes import StageChange
 
 
 @dataclass(frozen=True)
@@ -15,9 +16,13 @@ class Plan:
     """The played channels and the stepping stages."""
 
     graph: Graph
-    """The complete graph."""
+    """The complete graph; behind its stages those that took their places while the run went on."""
+    began: Graph
+    """The complete graph as the run began."""
     stepped: Graph
-    """The stepping stages, in firing order; its channels are those of the complete graph."""
+    """The stepping stages of ``graph``, in firing order; its channels are those of the complete graph."""
+    changes: tuple[StageChange, ...]
+    """When stages took the places of others."""
     played: tuple[Channel, ...]
     """Channels played from the log, in graph order."""
     needed: tuple[Channel, ...]
@@ -34,21 +39,32 @@ class Plan:
         """The names of the stepping stages."""
         return frozenset(node.name for node in self.stepped.nodes)
 
+    @property
+    def stepped_at_first(self) -> Graph:
+        """The stepping stages as the run began, in firing order."""
+        return _stepping(self.began, self.stepped_names)
+
     def readers_of(self, channel: Channel) -> list[str]:
         """Return the stepping stages that read a channel."""
-        return [node.name for node in self.stepped.nodes if any(i.channel == channel for i in node.inputs)]
+        readers = (node.name for node in self.stepped.nodes if any(i.channel == channel for i in node.inputs))
+        return list(dict.fromkeys(readers))
 
 
-def make_plan(graph: Graph, play: Sequence[str] = (), reproduced: Collection[str] = ()) -> Plan:
+def make_plan(
+    graph: Graph, play: Sequence[str] = (), reproduced: Collection[str] = (), changes: Sequence[StageChange] = ()
+) -> Plan:
     """Return the plan that plays sources, inputs, and the channels ``play`` (``stage.port``).
 
     ``reproduced``: channels of sources that are not played, because their sources make them again, by reference.
+    ``changes``: of stages while the run went on.
 
     Raises
     ------
     UserError
         ``play`` names an unknown channel, or no stage is left to step.
     """
+    began, later = graph, tuple(change.node for change in changes)
+    graph = replace(graph, nodes=(*graph.nodes, *later), order=(*graph.order, *later))
     played = {channel.ref for node in graph.sources for channel in node.outputs.values()} | set(graph.inputs)
     for word in play:
         played |= _refs(graph, word)
@@ -60,20 +76,27 @@ def make_plan(graph: Graph, play: Sequence[str] = (), reproduced: Collection[str
         not_needed.append(idle)
     if not stepping:
         raise UserError.of("no stage is left to step: every channel is played", "leave out some of --play")
-    nodes, order = (tuple(n for n in every if n.name in stepping) for every in (graph.nodes, graph.order))
-    read = {i.channel.ref for node in nodes for i in node.inputs if i.channel is not None}
+    stepped = _stepping(graph, stepping)
+    read = {i.channel.ref for node in stepped.nodes for i in node.inputs if i.channel is not None}
     channels = [channel for ref, channel in graph.channels.items() if ref in played]
-    compared = tuple(c for node in order for c in node.outputs.values() if c.ref not in played)
+    compared = dict.fromkeys(c for node in stepped.order for c in node.outputs.values() if c.ref not in played)
     of_no_use = {channel.ref for node in graph.nodes if node.name in not_needed for channel in node.outputs.values()}
     return Plan(
         graph=graph,
-        stepped=replace(graph, nodes=nodes, order=order),
+        began=began,
+        stepped=stepped,
+        changes=tuple(changes),
         played=tuple(channels),
         needed=tuple(channel for channel in channels if channel.ref in read),
-        compared=compared,
+        compared=tuple(compared),
         copied=tuple(channel for ref, channel in graph.channels.items() if ref in of_no_use - played),
         not_needed=tuple(not_needed),
     )
+
+
+def _stepping(graph: Graph, names: Collection[str]) -> Graph:
+    nodes, order = (tuple(n for n in every if n.name in names) for every in (graph.nodes, graph.order))
+    return replace(graph, nodes=nodes, order=order)
 
 
 def notices_of(plan: Plan) -> Iterator[str]:

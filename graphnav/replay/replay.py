@@ -103,7 +103,7 @@ class _Replay:
         self._contents = read_contents(recording, made.graph, made.about, made.recorded, is_live=made.is_live)
         self._reproduction = reproduction_of(made, self._contents, wants_all=is_logged)
         reproduced = self._reproduction.channels if self._reproduction is not None else ()
-        self._plan = make_plan(made.graph, options.play, [channel.ref for channel in reproduced])
+        self._plan = make_plan(made.graph, options.play, [channel.ref for channel in reproduced], made.changes)
         self.begin_us = recording.begin_us if made.is_live else 0
         self._from_us = self.begin_us + round(options.from_s * 1e6)
         self._done_us, self._failure = self.begin_us, ""
@@ -116,7 +116,7 @@ class _Replay:
         )
         self._lost = [*self._contents.lost, *self._session.lost]
         recorded = {c.ref for c in self._plan.compared if self._contents.messages[c.name]}
-        self._stages = self._plan.stepped.make_stages(made.graph.read | recorded)
+        self._stages = self._plan.stepped_at_first.make_stages(made.graph.read | recorded)
 
     def _check_reach(self) -> None:
         """Raise UserError where nothing is left to compare."""
@@ -142,7 +142,8 @@ class _Replay:
         made = self._made
         reproduced = self._reproduction.outputs if self._reproduction is not None else ()
         compared = (*reproduced, *self._plan.compared)
-        recorded = made.about.channels if made.about is not None else None
+        later = [channel.name for change in made.changes for channel in change.node.outputs.values()]
+        recorded = (*made.about.channels, *later) if made.about is not None else None
         last_us, tolerance = self._session.last_us, self._options.tolerance
         scope = Scope(self.begin_us, self._from_us, last_us, tolerance, made.complete, recorded)
         self._new = [channel for channel in compared if recorded is not None and channel.name not in recorded]
@@ -183,7 +184,7 @@ class _Replay:
             n_ticks=replayer.engine.ticks,
             is_live=self._made.is_live,
             wall_s=wall_s,
-            stepped=tuple(node.name for node in plan.stepped.order),
+            stepped=tuple(node.name for node in plan.stepped_at_first.order),
             played=played,
             not_needed=plan.not_needed,
             reproduced=tuple(_reproduced(again)) if again is not None else (),

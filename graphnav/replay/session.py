@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from graphnav import Recording, Stage, UserError
 from graphnav.core.runner import Sink
+from graphnav.replay.log.changes import make_changes
 from graphnav.replay.log.check_log import reach_of, refuse_unlogged, refuse_unread, refuse_unreadable
 from graphnav.replay.log.contents import Contents
 from graphnav.replay.log.firings import read_firings
@@ -64,6 +65,7 @@ def lockstep_session(
     reach = reach_of(plan, contents, recording, start_us, made.complete, reproduction)
     is_complete = all(channel.name in made.complete for channel in plan.graph.channels.values())
     held = (*plan.played, *plan.copied)
+    changes = tuple(make_changes(plan.changes, plan.began, plan.stepped_names))
     every = ticks_of(plan.graph, held, contents, is_complete=is_complete)
     ticks = [tick for tick in every if start_us <= tick.utime <= reach.until_us]
     earlier = ([m for m in contents.messages[channel.name] if m.utime < start_us] for channel in plan.needed)
@@ -77,7 +79,7 @@ def lockstep_session(
         timetable = Timetable(
             ticks, before, start_us, *((contents.last_us, contents.stops) if math.isinf(reach.until_us) else (0, ()))
         )
-        return TickReplay(plan, stages, recording, timetable, Sinks(sinks, logs), again)
+        return TickReplay(plan, stages, recording, timetable, Sinks(sinks, logs), again, changes)
 
     return Session(make, contents.last_us, reach.lost)
 
@@ -93,10 +95,12 @@ def live_session(recording: Recording, made: LogGraph, plan: Plan, contents: Con
     refuse_unreadable(plan, contents, recording, made.about)
     logged = read_firings(plan, contents, recording, made.wires)
     refuse_unlogged(plan, contents, recording, logged, made.complete)
+    changes = tuple(make_changes(plan.changes, plan.began, plan.stepped_names))
 
     def make(stages: Mapping[str, Stage], sinks: Sequence[Sink], log: Sink | None) -> FiringReplay:
         firing_log = None if log is None else FiringLog(log)
-        return FiringReplay(plan, stages, recording, logged, sinks, firing_log, recording.begin_us, start_us)
+        begin_us = recording.begin_us
+        return FiringReplay(plan, stages, recording, logged, sinks, firing_log, begin_us, start_us, changes)
 
     last_us = logged.firings[-1].at_us
     if not logged.is_cut:

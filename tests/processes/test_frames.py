@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from graphnav.processes.descriptors import peer_of
+from graphnav.core.machine import peer_of
 from graphnav.processes.frames import Frame, Kind, receive, send
 
 

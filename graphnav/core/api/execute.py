@@ -10,6 +10,7 @@ from typing import Any
 from graphnav.core.errors import GraphnavError, UserError
 from graphnav.core.graph import Graph
 from graphnav.core.rooms import in_room
+from graphnav.core.runner.recording.changes import Changes
 from graphnav.core.runner.recording.full_log import FullLog
 from graphnav.core.runner.recording.run_recorded import LiveSink, run_recorded
 from graphnav.core.runner.recording.stall import StallLimit
@@ -68,38 +69,25 @@ def execute(
     notice: Callable[[str], None],
     stall: StallLimit | None = None,
     full: FullLog | None = None,
+    changes: Changes | None = None,
 ) -> Summary:
     """Run a graph into an existing, empty folder; see `run_recorded`, and ``run_processes`` and ``run_live`` of rooms.
 
     ``on_time`` gets seconds: the simulated time of the next tick; in a live run the time since the start, now and then.
-    ``full`` gets every message of a lockstep run.
+    ``full`` gets every message of a lockstep run. ``changes`` the stages while it lasts.
     """
+    options: dict[str, Any] = {
+        "tap": tap,
+        "run_id": run_id,
+        "on_failure": on_failure,
+        "notice": notice,
+        "stall": stall,
+        "changes": changes,
+    }
     if is_live:
         if graph.deploy:
             notice("'deploy' is not used live: all stages live in one process")
-        return _run_live(
-            graph,
-            stages,
-            folder,
-            url=url,
-            tap=tap,
-            run_id=run_id,
-            on_time=on_time,
-            on_failure=on_failure,
-            notice=notice,
-            stall=stall,
-        )
+        return _run_live(graph, stages, folder, url=url, on_time=on_time, **options)
     run: Callable[..., Summary] = in_room("processes.run").run_processes if graph.deploy else run_recorded
-    return run(
-        graph,
-        stages,
-        folder,
-        pace_ratio=pace,
-        tap=tap,
-        run_id=run_id,
-        on_tick=lambda utime: on_time(utime / 1e6),
-        on_failure=on_failure,
-        notice=notice,
-        stall=stall,
-        full=full,
-    )
+    options |= {"pace_ratio": pace, "on_tick": lambda utime: on_time(utime / 1e6), "full": full}
+    return run(graph, stages, folder, **options)

@@ -83,7 +83,7 @@ def main(args: CommandArguments) -> int:
         if tap is not None:
             console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
         report, kept = FailureReport(args), None if args.no_pictures else full
-        summary = _run(graph, stages, folder, args, tap, run_id, kept, report, is_live=is_live)
+        summary = _run(catalog, graph, stages, folder, args, tap, run_id, kept, report, is_live=is_live)
         if args.json:
             print(json.dumps(summary.as_json() | {"folder": str(folder)}))
         else:
@@ -160,6 +160,7 @@ def _live_notice(args: CommandArguments, graph: Graph) -> str:
 
 
 def _run(
+    catalog: Catalog,
     graph: Graph,
     stages: dict[str, Stage],
     folder: Path,
@@ -174,6 +175,7 @@ def _run(
     from graphnav.core.api.execute import execute
     from graphnav.core.cli.progress import progress_bar
     from graphnav.core.machine.console import Console
+    from graphnav.core.runner.recording.changes import Changes
     from graphnav.core.runner.recording.running_file import RunningFile
     from graphnav.core.runner.recording.stall import StallLimit
 
@@ -187,20 +189,22 @@ def _run(
         sys.stdout.flush()
         sys.stderr.flush()
 
-    running = RunningFile(run_id, graph.path.stem, folder, is_live=is_live)
-    with running, progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick:
-        return execute(
-            graph,
-            stages,
-            folder,
-            is_live=is_live,
-            pace=args.pace,
-            url=args.url,
-            tap=tap,
-            run_id=run_id,
-            on_time=lambda run_s: on_tick(round(run_s * 1e6)),
-            on_failure=report,
-            notice=print_notice,
-            stall=None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled),
-            full=full,
-        )
+    with Changes(run_id, graph, catalog) as changes, progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick:
+        listens = changes.is_listening
+        with RunningFile(run_id, graph.path.stem, folder, is_live=is_live, takes_changes=listens):
+            return execute(
+                graph,
+                stages,
+                folder,
+                is_live=is_live,
+                pace=args.pace,
+                url=args.url,
+                tap=tap,
+                run_id=run_id,
+                on_time=lambda run_s: on_tick(round(run_s * 1e6)),
+                on_failure=report,
+                notice=print_notice,
+                stall=None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled),
+                full=full,
+                changes=changes,
+            )

@@ -1,5 +1,6 @@
 """Checked graphs: wiring, firing order, swaps."""
 
+from graphnav.core.graph.change import GraphChange, changed_graph, restarted_graph
 from graphnav.core.graph.find import find_graph, shipped_folder, shipped_graphs, suggest_graph
 from graphnav.core.graph.graph import Graph
 from graphnav.core.graph.load import graph_of, load_graph, outline_of_file
@@ -18,6 +19,7 @@ __all__ = [
     "RESERVED",
     "Channel",
     "Graph",
+    "GraphChange",
     "Input",
     "InputChannel",
     "Node",
@@ -27,6 +29,7 @@ __all__ = [
     "RunOptions",
     "Target",
     "beside",
+    "changed_graph",
     "find_graph",
     "graph_of",
     "graph_schema",
@@ -37,6 +40,7 @@ __all__ = [
     "part_yaml",
     "resolve_paths",
     "resolved_yaml",
+    "restarted_graph",
     "shipped_folder",
     "shipped_graphs",
     "stop_fields",

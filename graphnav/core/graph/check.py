@@ -128,7 +128,7 @@ def _with_left_out(spec: Spec, nodes: list[Node], channels: Mapping[str, Channel
     Which of these are sampled is not known either: those that would close a loop are taken for it.
     """
     known = {node.name: node for node in nodes}
-    writers = {name: _writers(known[name]) if name in known else [] for name in spec.stages}
+    writers = {name: known[name].writers if name in known else [] for name in spec.stages}
     for name in [name for name in spec.stages if name not in known]:
         stage, reads = spec.stages[name], []
         for port, entry in stage.wires.items():
@@ -144,7 +144,7 @@ def _with_left_out(spec: Spec, nodes: list[Node], channels: Mapping[str, Channel
 
 def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]:
     by_name = {node.name: node for node in nodes}
-    order, loops = firing_order({node.name: _writers(node) for node in nodes})
+    order, loops = firing_order({node.name: node.writers for node in nodes})
     for loop in loops:
         reader = by_name[loop[0]]
         port = next(i.port.name for i, channel in _plain(reader) if channel.stage == loop[-2])
@@ -157,11 +157,6 @@ def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]
 
 def _plain(node: Node) -> list[tuple[Input, Channel]]:
     return [(i, i.channel) for i in node.inputs if i.channel is not None and i.port.is_plain]
-
-
-def _writers(node: Node) -> list[str]:
-    """Return the stages whose messages fire a stage."""
-    return [channel.stage for _, channel in _plain(node)]
 
 
 def _times_of(stage: StageSpec, cls: type[Stage], problems: list[Problem]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from graphnav.core.errors import ParamError, Problem, UserError, fix_the_plugin, one_line
 from graphnav.core.graph.node import Channel, InputChannel, Node, OutputChannel, Part
+from graphnav.core.graph.wiring.firing import firing_order
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.machine.instruction_set import require_portable
 from graphnav.core.messages import Twist
@@ -89,6 +90,18 @@ class Graph:
         """Return the stage called ``name``."""
         return next(node for node in self.nodes if node.name == name)
 
+    def with_nodes(self, changed: Iterable[Node]) -> Graph:
+        """Return the graph with other stages in place of those of the same names, in the firing order of its wires."""
+        by_name = {node.name: node for node in self.nodes} | {node.name: node for node in changed}
+        order, _ = firing_order({name: node.writers for name, node in by_name.items()})
+        written = {channel.ref: channel for node in by_name.values() for channel in node.outputs.values()}
+        return replace(
+            self,
+            nodes=tuple(by_name.values()),
+            order=tuple(by_name[name] for name in order if not by_name[name].is_source),
+            channels={ref: self.channels[ref] for ref in self.inputs} | written,
+        )
+
     @property
     def read(self) -> frozenset[str]:
         """The references of the channels that a stage or an entry of ``outputs`` reads."""
@@ -113,6 +126,19 @@ class Graph:
         if problems:
             raise UserError(problems)
         return stages
+
+    def make_stage(self, name: str) -> Stage:
+        """Return one new stage, as `make_stages` does.
+
+        Raises
+        ------
+        UserError
+            All of its parameters that cannot be used, or what it raises.
+        """
+        stages, problems = self._made([self.node(name)], self.read)
+        if problems:
+            raise UserError(problems)
+        return stages[name]
 
     def stage_problems(self) -> list[Problem]:
         """Return what `make_stages` would refuse in the stages all of whose parameters could be read.

@@ -69,13 +69,14 @@ def graph_of(
     is_record: bool = False,
     partial: bool = False,
     makes_stages: bool = False,
+    prunes: bool = True,
 ) -> Graph:
     """Return the checked graph in the bytes of the file ``path``; errors name it ``source``.
 
     ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
     ``is_record``: whether a run wrote it, maybe with an older version: old names of parameters are accepted.
     ``partial``: as of `load_graph`. ``makes_stages``: whether a graph with errors gets those of its stages too
-    (`Graph.stage_problems`).
+    (`Graph.stage_problems`). ``prunes``: whether stages that swaps leave unread are removed.
 
     Raises
     ------
@@ -97,7 +98,7 @@ def graph_of(
     if is_record:
         _accept_old_names(spec, classes_of(spec, catalog, []))
     rewire_merged(spec, merged, catalog, problems, file_notices)
-    spec = apply_overrides(spec, overrides, catalog, problems, notices)
+    spec = apply_overrides(spec, overrides, catalog, problems, notices, prunes=prunes)
     graph = check(spec, catalog, path, problems, notices, plugins.left_out)
     if problems or (plugins.left_out and not partial):
         more = graph.stage_problems() if makes_stages else []

@@ -196,6 +196,19 @@ class Node:
             return ()
         return tuple(self.outputs[port] for port in self.stage_class.reproducible)
 
+    @property
+    def writers(self) -> list[str]:
+        """The stages, and the stems of inputs, whose messages fire it."""
+        return [i.channel.stage for i in self.inputs if i.channel is not None and i.port.is_plain]
+
+    def same_inputs(self, other: Node) -> frozenset[str]:
+        """Return the input ports that both have, read alike from the same channel."""
+        return frozenset(
+            mine.port.name
+            for mine in self.inputs
+            if any(mine.port == i.port and mine.channel == i.channel for i in other.inputs)
+        )
+
     def problem(self, error: ParamError) -> Problem:
         """Return a parameter's error as a problem at the parameter's place; a default is named, for it has none."""
         setting = self.settings.get(error.param)

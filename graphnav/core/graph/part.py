@@ -24,10 +24,11 @@ def part_yaml(graph: Graph, stages: Collection[str]) -> str:
     return resolved_yaml(alone, portable_paths=False)
 
 
-def part_of(text: str, path: Path, catalog: Catalog) -> Graph:
+def part_of(text: str, path: Path, catalog: Catalog, *, loads_plugins: bool = True) -> Graph:
     """Return the graph of what `part_yaml` wrote: its stages alone, in the graph's order, with all of their wires.
 
-    Only their families and the one-file plugins are loaded. ``path``: the graph's file, which is not read.
+    Only their families and the one-file plugins are loaded, these not without ``loads_plugins``: then the catalog has
+    them. ``path``: the graph's file, which is not read.
 
     Raises
     ------
@@ -35,8 +36,9 @@ def part_of(text: str, path: Path, catalog: Catalog) -> Graph:
         A stage is not as it was where the text was written: its package or the files of its parameters have changed.
     """
     value, problems = parse_yaml(text.encode(), str(path))
-    plugins = value.plain().get("plugins", ()) if not problems else ()
-    catalog.add_files(map(Path, plugins))
+    if loads_plugins:
+        plugins = value.plain().get("plugins", ()) if not problems else ()
+        catalog.add_files(map(Path, plugins))
     spec, more = parse_spec(value)
     problems += more
     classes = classes_of(spec, catalog, problems)

@@ -6,6 +6,7 @@ from .extras import import_pandas, install_command, requirements_of
 from .files import is_own, open_regular, path_aside, read_json, write_atomically
 from .instruction_set import PORTABLE, expected_instruction_set, used_instruction_set
 from .packet_filter import keep_channels
+from .peer import peer_of
 from .pins import OPT_OUT, lacking, pin
 from .receive_buffer import ReceiveBuffer
 from .terminal_graphics import TerminalGraphics
@@ -30,6 +31,7 @@ __all__ = [
     "no_user_folder",
     "open_regular",
     "path_aside",
+    "peer_of",
     "pin",
     "read_json",
     "requirements_of",

@@ -16,7 +16,7 @@ from graphnav.core.messages.robot import (
     Stop,
     Twist,
 )
-from graphnav.core.messages.run import About, Fired, Gap, Status
+from graphnav.core.messages.run import About, Changed, Fired, Gap, Status
 from graphnav.core.messages.scan import Scan
 from graphnav.core.messages.vision import (
     Components,
@@ -34,6 +34,7 @@ __all__ = [
     "ZERO_MEANS",
     "About",
     "BaseLimits",
+    "Changed",
     "Components",
     "FieldError",
     "Fired",

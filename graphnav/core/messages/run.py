@@ -80,3 +80,18 @@ class Fired(Message, lcm=graphnav_lcm.fired_t):
     stamps_us: Longs
     ages_s: Doubles
     faults: tuple[str, ...]
+
+
+class Changed(Message, lcm=graphnav_lcm.changed_t):
+    """A stage that was rebuilt while the run went on, with other parameters or as another ``use``.
+
+    ``words``: what was asked for, as ``--set`` takes it. ``stage_yaml``: the stage with all parameters and wires, as a
+    graph with this stage alone; its paths are absolute, unless they ship with graphnav. It counts from the message's
+    timestamp on: of the first tick in lockstep, live the time by the run's clock.
+    """
+
+    CHANNEL: ClassVar[str] = "graphnav.changed"
+    stage: str
+    use: str
+    words: tuple[str, ...]
+    stage_yaml: str

@@ -7,6 +7,7 @@ from .join import MatchedSet
 from .live_inbox import LiveInbox
 from .lockstep import Lockstep, LockstepEngine
 from .lockstep_inbox import LockstepInbox
+from .recording.changes import Answer, Changes, Request, ask
 from .recording.full_log import LOOK_BYTES, is_nearly_full
 from .recording.kept_messages import complete_channels
 from .recording.log_forecast import size_text
@@ -27,6 +28,8 @@ from .unit import LocalUnit, Unit
 __all__ = [
     "CODE",
     "LOOK_BYTES",
+    "Answer",
+    "Changes",
     "Difference",
     "Done",
     "Durations",
@@ -47,6 +50,7 @@ __all__ = [
     "RecordedRun",
     "RemoteStage",
     "RemoteUnit",
+    "Request",
     "RunningFile",
     "RunningRun",
     "Sink",
@@ -59,6 +63,7 @@ __all__ = [
     "Unit",
     "Used",
     "about_of",
+    "ask",
     "complete_channels",
     "decoded",
     "difference",

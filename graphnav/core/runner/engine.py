@@ -111,6 +111,7 @@ class Engine(Generic[I]):
         calls: StageCalls | None = None,
     ) -> None:
         spans, calls = spans or Spans(), calls or StageCalls()
+        self._make_inbox, self._is_wired = make_inbox, is_wired
         self.ticks = 0
         """Number of ticks, or of firings if there are no ticks."""
         self.utime = self.begin_us = begin_us
@@ -136,19 +137,18 @@ class Engine(Generic[I]):
         self._commands = {channel.name: channel for channel in commands}
         self._commanded_us: dict[str, int] = {}
         """The stamp of the last message on each of these channels."""
-        self._stamp = begin_us
-        self._numbers: dict[str, int] = {}
+        self._stamp, self._numbers = begin_us, dict[str, int]()
         self._plain, self._is_read = set[str](), set[str]()
         self.readers: dict[str, list[tuple[Unit[I], Port]]] = {}
         """The stages that read a channel, and their ports, by the channel's name; those of other processes apart."""
         self._remote_readers: dict[str, list[tuple[Unit[I], Port]]] = {}
-        if is_wired:
-            self._connect()
+        self._connect()
 
     def _connect(self) -> None:
-        """Find the readers of every channel, and subscribe to it once."""
+        """Find the readers of every channel, unless nothing is wired, and subscribe to it once."""
         channels: dict[str, Channel] = {}
-        for unit in self.units.values():
+        self.readers, self._remote_readers = {}, {}
+        for unit in self.units.values() if self._is_wired else ():
             for link in unit.node.inputs:
                 if link.channel is not None:
                     channels[link.channel.name] = link.channel
@@ -156,9 +156,24 @@ class Engine(Generic[I]):
                     readers.setdefault(link.channel.name, []).append((unit, link.port))
                     if link.port.is_plain:
                         self._plain.add(link.channel.name)
-        self._is_read.update(channels)
         for name, channel in channels.items():
-            self._bus.subscribe(name, partial(self._receive, channel))
+            if name not in self._is_read:
+                self._bus.subscribe(name, partial(self._receive, channel))
+        self._is_read.update(channels)
+
+    def change(self, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
+        """Let other stages, which are reset, take the place of those of the same names, between two firings.
+
+        What waits for a stage stays where it is read alike. Returns what stages raised when they were closed.
+        """
+        at_s, failed = (self.utime - self.begin_us) / 1e6, []
+        for node in nodes:
+            unit = self.units[node.name]
+            assert isinstance(unit, LocalUnit), "a stage of another process is not changed"
+            error = unit.change(node, stages[node.name], self._make_inbox(node), at_s)
+            failed += [] if error is None else [error]
+        self._connect()
+        return failed
 
     def reset(self, seed: int) -> None:
         """Reset the state of every stage from the run's ``seed``, and the clock to the start.

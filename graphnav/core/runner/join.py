@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -56,6 +56,12 @@ class Join:
         """Dropped messages by port."""
         self.unmatched: Counter[str] = Counter(dict.fromkeys(self._waiting, 0))
         """Messages by port since the last complete set."""
+
+    def adopt(self, before: Join, ports: Collection[str]) -> None:
+        """Take the pending messages of some ports from another join, and all of its counts."""
+        for port in ports:
+            self._waiting[port] = before._waiting[port]
+        self.overtaken = before.overtaken
 
     @property
     def never_matches(self) -> bool:

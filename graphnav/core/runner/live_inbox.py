@@ -26,6 +26,7 @@ class LiveInbox:
     def __init__(
         self, node: Node, queues: Mapping[str, int | None], fault_of: Callable[[str, float], str] = lambda *_: ""
     ) -> None:
+        self._node = node
         self._plain = [i.port.name for i in node.inputs if i.port.is_plain and i.channel is not None]
         sizes = [queues[f"{node.name}.{port}"] for port in self._plain if f"{node.name}.{port}" in queues]
         bound = MAX_UNMATCHED if not sizes else None if None in sizes else max(size or 0 for size in sizes)
@@ -51,6 +52,20 @@ class LiveInbox:
     def dropped(self) -> int:
         """Number of overtaken messages."""
         return self.join.overtaken.total()
+
+    def adopt(self, before: LiveInbox) -> None:
+        """Take what waits for the stage before on inputs that read the same channel alike, and what was overtaken.
+
+        The newest complete set stays only where all plain inputs do.
+        """
+        same = self._node.same_inputs(before._node)
+        self.join.adopt(before.join, same.intersection(self._plain))
+        self._newest = {port: newest for port, newest in before._newest.items() if port in same}
+        self._gathered |= {port: gathered for port, gathered in before._gathered.items() if port in same}
+        self._reached = {port: utime for port, utime in before._reached.items() if port in same}
+        self._is_withheld = before._is_withheld
+        if same.issuperset(self._plain) and self._plain == before._plain:
+            self._held = before._held
 
     def put(self, port: Port, utime: int, number: int, message: Message, birth_s: float, now_s: float) -> None:
         """Add a message; ``birth_s``: the time from which its age counts."""

@@ -13,6 +13,7 @@ class LockstepInbox:
     """Holds the messages of a stage until its plain inputs are complete."""
 
     def __init__(self, node: Node) -> None:
+        self._node = node
         self._n_plain = sum(i.port.is_plain and i.channel is not None for i in node.inputs)
         self._n_dropped = 0
         self._inputs: dict[str, Any] = {}
@@ -21,6 +22,13 @@ class LockstepInbox:
         self._empty: dict[str, Latest[Any]] = {
             i.port.name: Latest(is_connected=i.channel is not None) for i in node.inputs if i.port.latest
         }
+
+    def adopt(self, before: LockstepInbox) -> None:
+        """Take the sampled and gathered messages of the stage before for inputs that read the same channel alike."""
+        same = self._node.same_inputs(before._node)
+        self._newest = {port: newest for port, newest in before._newest.items() if port in same}
+        self._gathered |= {port: gathered for port, gathered in before._gathered.items() if port in same}
+        self._n_dropped = before._n_dropped
 
     def put(self, port: Port, utime: int, _number: int, message: Message) -> None:
         """Add a message; those on plain ports have the stamp of the tick."""

@@ -44,6 +44,9 @@ class Inbox(Protocol):
     def dropped(self) -> int:
         """Number of inputs that arrived but were never used in a step."""
 
+    def adopt(self, before: Any) -> None:
+        """Take what waits for the stage before on inputs that read the same channel alike, and its counts."""
+
 
 I = TypeVar("I", bound=Inbox)  # noqa: E741 - the inbox
 
@@ -133,11 +136,26 @@ class LocalUnit(Unit[I]):
         start_utime: int,
     ) -> None:
         super().__init__(node, inbox, start_utime)
-        self._stage = stage
         self._due_us: dict[int, int] = {}
         """When the last firing asked for is due, by its number."""
-        self._publish, self._calls = publish, calls
-        self._step = wrap_step(node.name, getattr(stage, "step"))  # noqa: B009 - a Stage has no step of its own
+        self._publish, self._calls, self._wrap_step = publish, calls, wrap_step
+        self._take_stage(node, stage)
+
+    def change(self, node: Node, stage: Stage, inbox: I, at_s: float) -> StageError | None:
+        """Step another stage from now on, which is reset; return what the one before raised when it was closed."""
+        failed = None
+        try:
+            self.close(at_s)
+        except StageError as error:
+            failed = error
+        inbox.adopt(self.inbox)
+        self.node, self.inbox = node, inbox
+        self._take_stage(node, stage)
+        return failed
+
+    def _take_stage(self, node: Node, stage: Stage) -> None:
+        self._stage = stage
+        self._step = self._wrap_step(node.name, getattr(stage, "step"))  # noqa: B009 - a Stage has no step of its own
         ports = ports_of(node.stage_class)
         self._stamps, self._ages = ports.stamps, ports.ages
         self._result = ports.result

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections import Counter, defaultdict
+from collections import Counter, deque
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from graphnav import Recording, UserError
 from graphnav.core.codec import DecodeError, decode
-from graphnav.core.graph import Channel
+from graphnav.core.graph import Channel, Node
 from graphnav.core.messages import Fired
 from graphnav.core.runner import Used
 from graphnav.replay.log.contents import Contents, Logged
@@ -63,11 +63,13 @@ def read_firings(
     """
     added = plan.stepped_names - wires.keys()
     new_ports = frozenset(new for new in new_inputs(plan, wires) if new[0] not in added)
-    reader = _Reader(plan, contents, new_ports)
+    reader, changes = _Reader(plan, contents, new_ports), deque(plan.changes)
     firings: list[Firing] = []
     n_missing: Counter[str] = Counter()
     n_complete: float = math.inf
     for firing in _decoded(recording):
+        while changes and changes[0].at_us <= firing.at_us:
+            reader.change(changes.popleft().node)
         if missing := reader.take(firing) if firing.stage in plan.stepped_names else []:
             n_missing.update(missing)
             n_complete = min(n_complete, len(firings))
@@ -119,14 +121,21 @@ class _Reader:
         self.read: Counter[str] = Counter()
         """The number of messages read of each played channel."""
         self._seen: set[tuple[str, int, int]] = set()
-        played = {channel.ref for channel in plan.played}
-        self._ports: dict[str, dict[str, tuple[Channel, bool]]] = defaultdict(dict)
-        for node in plan.stepped.nodes:
-            for i in node.inputs:
-                if i.channel is not None and (node.name, i.port.name) not in new_ports:
-                    self._ports[node.name][i.port.name] = i.channel, i.channel.ref in played
+        self._is_played = {channel.ref for channel in plan.played}
+        self._new_ports = new_ports
+        self._ports: dict[str, dict[str, tuple[Channel, bool]]] = {}
+        for node in plan.stepped_at_first.nodes:
+            self.change(node)
         self._by_place = {name: {one.place: one for one in found} for name, found in contents.messages.items()}
         self._by_stamp = {name: {one.utime: one for one in found} for name, found in contents.messages.items()}
+
+    def change(self, node: Node) -> None:
+        """Read from now on what this stage reads."""
+        self._ports[node.name] = {
+            i.port.name: (i.channel, i.channel.ref in self._is_played)
+            for i in node.inputs
+            if i.channel is not None and (node.name, i.port.name) not in self._new_ports
+        }
 
     def take(self, firing: Firing) -> list[str]:
         """Record the messages that a firing reads; return the channels of missing ones."""
@@ -163,7 +172,7 @@ def new_inputs(plan: Plan, wires: Mapping[str, Mapping[str, str]]) -> Iterator[t
 
     ``wires``: the channel of each port in that run, by stage and port.
     """
-    for node in plan.stepped.nodes:
+    for node in plan.stepped_at_first.nodes:
         for i in node.inputs:
             if i.channel is not None and wires.get(node.name, {}).get(i.port.name) != i.channel.ref:
                 yield node.name, i.port.name

@@ -11,9 +11,11 @@ from typing import Any
 from graphnav import About, Graph, Place, Recording, Status, UserError, shown_path
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Override, Target, graph_of, load_graph
+from graphnav.core.messages import Changed
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import complete_channels
 from graphnav.core.spec import RecordOption, option_in, parse_yaml, read_bytes
+from graphnav.replay.log.changes import StageChange, read_changes
 
 _SEED = Target("run", key="seed")
 
@@ -32,6 +34,8 @@ class LogGraph:
     """The channels read by each stage's inputs in that run, by stage and port."""
     recorded: Graph | None = None
     """The graph of the run itself, where its sources make again what the log leaves out."""
+    changes: tuple[StageChange, ...] = ()
+    """The stages that were rebuilt while the run went on, in the order of their times."""
 
 
 def graph_to_replay(
@@ -61,7 +65,16 @@ def graph_to_replay(
     recorded = None
     if _option(about) == "replayable" and not is_live(about):
         recorded = _own_graph(recording, about, catalog, (), names)
-    return _log_graph(_with_seed(found, about, overrides), about, recorded)
+    found = _with_seed(found, about, overrides)
+    if graph is not None and recording.count(Changed.CHANNEL):
+        what = (
+            f"{shown_path(recording.path)} tells of changes of stages while it ran: they are not repeated with --graph"
+        )
+        return _log_graph(replace(found, notices=(*found.notices, what)), about, recorded)
+    changes, notices = read_changes(recording, found, catalog)
+    written = {channel.ref: channel for change in changes for channel in change.node.outputs.values()}
+    found = replace(found, channels=written | dict(found.channels), notices=(*found.notices, *notices))
+    return replace(_log_graph(found, about, recorded), changes=changes)
 
 
 def _own_graph(

@@ -42,7 +42,8 @@ def _port(channel: Channel, graph: Graph) -> Port | None:
     """Return the output port that writes a channel, None for an input."""
     if channel.ref in graph.inputs:
         return None
-    return next(port for port in graph.node(channel.stage).output_ports if port.name == channel.port)
+    writers = (node for node in graph.nodes if node.name == channel.stage)
+    return next(port for node in writers for port in node.output_ports if port.name == channel.port)
 
 
 def _has_effects(channel: Channel, plan: Plan, contents: Contents) -> bool:

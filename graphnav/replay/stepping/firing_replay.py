@@ -12,11 +12,13 @@ from graphnav.core.codec import decode
 from graphnav.core.graph import Node
 from graphnav.core.runner import Engine, LiveInbox, Sink, Taken, Timer, Unit, Used
 from graphnav.core.stage import Port
+from graphnav.replay.log.changes import MadeChange
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.firings import Firing, LoggedFirings
 from graphnav.replay.plan import Plan
 from graphnav.replay.stepping.firing_log import FiringLog
 from graphnav.replay.stepping.recorded_inbox import Read, RecordedInbox
+from graphnav.replay.stepping.repeated_changes import RepeatedChanges
 
 _MAX_GAP_S = 10.0
 """Timers do not fire in longer gaps of a log, whose timestamps may be damaged."""
@@ -29,7 +31,7 @@ class FiringReplay:
     timestamp. A firing is skipped if a message of a plain input was not published again. Stages that the run did not
     have fire by the rule of `AddedStages`; inputs that a stage did not read in the run are new ports. ``begin_us``,
     ``start_us``: the run's clock at its start, and the time from which stages fire. ``log`` receives everything that is
-    needed to replay this replay.
+    needed to replay this replay. ``changes``: of stages while the run went on.
     """
 
     def __init__(
@@ -42,6 +44,7 @@ class FiringReplay:
         log: FiringLog | None,
         begin_us: int,
         start_us: int,
+        changes: Sequence[MadeChange] = (),
     ) -> None:
         self._recording, self._logged, self._log = recording, logged, log
         self._queues = plan.graph.queues
@@ -51,7 +54,7 @@ class FiringReplay:
         self._own_us = begin_us
         self._birth_s = 0.0
         self.engine: Engine[Any] = Engine(
-            plan.stepped.order,
+            plan.stepped_at_first.order,
             stages,
             sinks if log is None else (*sinks, log),
             self._inbox,
@@ -60,6 +63,7 @@ class FiringReplay:
             begin_us=begin_us,
         )
         self.reset, self.close = self.engine.reset, self.engine.close
+        self._changes = RepeatedChanges(changes, self.engine, () if log is None else (log,))
         if log is not None:
             log.now_us = lambda: self.engine.utime
         self._heard = {
@@ -95,6 +99,7 @@ class FiringReplay:
             if one.at_us >= self._start_us:
                 yield from self._fire_added(one.at_us)
             self.engine.utime = one.at_us
+            self._changes.make(one.at_us)
             if isinstance(one, Logged):
                 self._hear(one)
             elif one.stage not in self.engine.units:

@@ -42,6 +42,12 @@ class RecordedInbox:
         self._new = {port.name: NewPort(port) for port in new_ports}
         self._published: dict[tuple[str, int], Read] = {}
 
+    def adopt(self, before: RecordedInbox) -> None:
+        """Take what waits for the stage before on inputs that read the same channel alike."""
+        same = self._node.same_inputs(before._node)
+        self._published = {key: read for key, read in before._published.items() if key[0] in same}
+        self._new |= {port: new for port, new in before._new.items() if port in same}
+
     def put(self, port: Port, utime: int, number: int, message: Message, birth_s: float, _now_s: float) -> None:
         """Add a message; ``birth_s``: the time from which its age counts."""
         if (new := self._new.get(port.name)) is not None:

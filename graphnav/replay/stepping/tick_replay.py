@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from graphnav import Recording, Stage
+from graphnav import Graph, Recording, Stage
 from graphnav.core.codec import decode
 from graphnav.core.errors import StageError
 from graphnav.core.runner import LockstepEngine, Sink
+from graphnav.replay.log.changes import MadeChange
 from graphnav.replay.log.contents import Logged
 from graphnav.replay.log.schedule import Tick
 from graphnav.replay.plan import Plan
+from graphnav.replay.stepping.repeated_changes import RepeatedChanges
 from graphnav.replay.stepping.reproduced_sources import Made, ReproducedSources
 
 
@@ -40,7 +42,7 @@ class Sinks(NamedTuple):
 class TickReplay:
     """Fires the stepping stages tick by tick of the log, in the firing order of the complete graph.
 
-    ``again``: the sources that make again what the log leaves out.
+    ``again``: the sources that make again what the log leaves out. ``changes``: of stages while the run went on.
     """
 
     def __init__(
@@ -51,10 +53,11 @@ class TickReplay:
         timetable: Timetable,
         sinks: Sinks,
         again: ReproducedSources | None = None,
+        changes: Sequence[MadeChange] = (),
     ) -> None:
         self._played = {channel.name for channel in plan.played}
         self.engine = LockstepEngine(
-            plan.stepped.nodes,
+            plan.stepped_at_first.nodes,
             stages,
             (*sinks.results, *sinks.logs),
             played=self._played,
@@ -64,8 +67,9 @@ class TickReplay:
         self._results, self._player_sinks = sinks
         self._again = again
         self._messages = {channel.name: channel.message for channel in plan.graph.channels.values()}
-        outside = dict.fromkeys(channel.stage for channel in plan.played if channel.ref in plan.graph.inputs)
-        self._firing_order = [*outside, *(node.name for node in (*plan.graph.sources, *plan.graph.order))]
+        self._outside = dict.fromkeys(channel.stage for channel in plan.played if channel.ref in plan.graph.inputs)
+        self._firing_order = self._order_of(plan.began)
+        self._changes = RepeatedChanges(changes, self.engine, sinks.logs)
 
     def reset(self, seed: int) -> None:
         """Reset the state of every stage from ``seed``, and the sources that are stepped again from that of the run.
@@ -122,6 +126,8 @@ class TickReplay:
 
     def _replay(self) -> Iterator[int]:
         self._catch_up()
+        if self._timetable.ticks and self._timetable.start_us:
+            self._change(self._timetable.start_us)
         for message in self._timetable.before:
             data = self._recording.event(message.channel, message.place).data
             self._prime(message.channel, message.utime, data)
@@ -139,6 +145,15 @@ class TickReplay:
         while self._again is not None and (stamp := self._again.next_due()) < utime:
             yield stamp
 
+    def _order_of(self, graph: Graph) -> list[str]:
+        return [*self._outside, *(node.name for node in (*graph.sources, *graph.order))]
+
+    def _change(self, utime: int) -> None:
+        """Let stages take over that did so before this tick of the run."""
+        graph = self._changes.make(utime)
+        if graph is not None:
+            self._firing_order = self._order_of(graph)
+
     def _catch_up(self) -> None:
         """Step the sources that are stepped again up to the start; deliver their newest messages."""
         newest: dict[str, Made] = {}
@@ -152,6 +167,7 @@ class TickReplay:
 
     def _tick(self, tick: Tick) -> None:
         """Publish the messages of a tick and fire the stages whose plain inputs are then complete."""
+        self._change(tick.utime)
         self.engine.utime = tick.utime
         for name in self._firing_order:
             made = self._again.fire(name, tick.utime) if self._again is not None else []

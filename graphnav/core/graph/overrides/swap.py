@@ -15,13 +15,22 @@ from graphnav.core.spec import Spec, StageSpec, time_problems
 
 
 def apply_overrides(
-    spec: Spec, overrides: Sequence[Override], catalog: Catalog, problems: list[Problem], notices: list[str]
+    spec: Spec,
+    overrides: Sequence[Override],
+    catalog: Catalog,
+    problems: list[Problem],
+    notices: list[str],
+    *,
+    prunes: bool = True,
 ) -> Spec:
-    """Return ``spec`` with overrides applied; what is wrong and what changed is added to the lists."""
+    """Return ``spec`` with overrides applied; what is wrong and what changed is added to the lists.
+
+    ``prunes``: whether stages that no other stage reads any more are removed.
+    """
     spec.folders |= {o.place.file: o.folder for o in overrides if o.folder is not None}
     assignments = assign(overrides, spec, problems)
     if any(a.kind in ("swap", "add") for a in assignments):
-        _Change(spec, assignments, catalog, problems, notices).apply()
+        _Change(spec, assignments, catalog, problems, notices).apply(prunes=prunes)
     for a in assignments:
         if a.kind == "run":
             spec.run[a.key] = a.entry
@@ -64,11 +73,11 @@ class _Change:
         self._rewiring = Rewiring(spec, catalog, self._wires.keys(), problems, notices)
         self._before = self._rewiring.classes()
 
-    def apply(self) -> None:
+    def apply(self, *, prunes: bool) -> None:
         """Add, swap, rewire, prune."""
         if self._swaps:
             self._write_out_references()
-        read_before = {ref.partition(".")[0] for _, _, ref in self._rewiring.wires()}
+        read_before = {ref.partition(".")[0] for _, _, ref in self._rewiring.wires()} if prunes else set()
         swaps_of_added = {a.stage: a for a in self._swaps}
         for a in self._adds:
             _add_stage(self._spec, swaps_of_added.pop(a.stage, a), self._catalog, self._given(a.stage), self._notices)

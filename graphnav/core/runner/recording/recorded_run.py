@@ -13,6 +13,7 @@ from graphnav.core.interrupts import CtrlC, Interrupt, working_folder_restored
 from graphnav.core.record.threaded_writer import Log
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.engine import Engine, Outcome, Sink
+from graphnav.core.runner.recording.changes import Changes
 from graphnav.core.runner.recording.kept_messages import kept, open_log
 from graphnav.core.runner.recording.progress_file import ProgressFile
 from graphnav.core.runner.recording.saved_graph import save_graph
@@ -37,7 +38,7 @@ class RecordedRun:
     """A run in progress, into a folder that exists.
 
     ``close_log`` makes the log complete, ``measured`` returns what the summary tells of the run so far: both are also
-    called by another thread, where a call into a stage does not return.
+    called by another thread, where a call into a stage does not return. ``changes``: what changes its stages meanwhile.
     """
 
     def __init__(
@@ -48,8 +49,9 @@ class RecordedRun:
         on_failure: Callable[[GraphnavError], None],
         close_log: Callable[[], None],
         measured: Callable[[], Measured],
+        changes: Changes | None = None,
     ) -> None:
-        self._graph, self._folder, self._run_id = graph, folder, run_id
+        self._graph, self._folder, self._run_id, self._changes = graph, folder, run_id, changes
         self._close_log, self._measured = close_log, measured
         self.failures = Failures(on_failure)
         self.outcome: str = Outcome.FAILED
@@ -122,7 +124,8 @@ class RecordedRun:
         def finish(call: Call) -> None:
             """Write what the thread of the run cannot write any more."""
             with self.failures.noted():
-                raise stall_error(self._graph, call, stall.seconds, self.engine.begin_us if self.engine else 0)
+                graph = self._graph if self._changes is None else self._changes.graph
+                raise stall_error(graph, call, stall.seconds, self.engine.begin_us if self.engine else 0)
             self.failures.close(self._close_log)
             summary = self._summary()
             self.failures.close(lambda: self._write(summary))
@@ -150,6 +153,7 @@ class RecordedRun:
             versions=Summary.versions_here(),
             behind_s=measured.behind_s,
             cause=self.failures.cause,
+            changes=[] if self._changes is None else list(self._changes.made),
             processes=measured.processes,
             live=measured.live,
         )

@@ -21,6 +21,7 @@ from graphnav.core.record.threaded_writer import Log
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.engine import Outcome, Sink, Spans
 from graphnav.core.runner.lockstep import Lockstep
+from graphnav.core.runner.recording.changes import Changes
 from graphnav.core.runner.recording.full_log import FullLog
 from graphnav.core.runner.recording.kept_messages import record_option
 from graphnav.core.runner.recording.log_forecast import LogForecast
@@ -139,6 +140,7 @@ def run_recorded(
     spans: Spans | None = None,
     stall: StallLimit | None = None,
     full: FullLog | None = None,
+    changes: Changes | None = None,
     make_lockstep: MakeLockstep = _in_this_process,
 ) -> Summary:
     """Run ``graph`` once into ``folder``, which must exist, and return the content of its ``summary.json``.
@@ -148,7 +150,7 @@ def run_recorded(
     option. ``pace_ratio``: simulated seconds per wall second, None for as fast as the machine allows. ``on_tick`` gets
     the stamp of the next tick, ``on_failure`` every error in ``failure``, ``notice`` warnings of lateness and of a
     large log. ``spans``: measures the work. ``stall``: when a call into a stage that does not return ends the process,
-    None for never. ``full``: gets all. ``make_lockstep`` makes the schedule.
+    None for never. ``full``: gets all. ``changes`` its stages while it lasts. ``make_lockstep`` makes the schedule.
 
     Raises
     ------
@@ -158,7 +160,7 @@ def run_recorded(
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
     graph = _telling_what_is_kept(graph) if keep is None else graph
-    run = _LockstepRun(graph, folder.absolute(), tap, run_id, on_failure)
+    run = _LockstepRun(graph, folder.absolute(), tap, run_id, on_failure, changes)
 
     def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
         run.clock = SimulatedClock(pace_ratio, sleep=interrupt.wait, notice=notice)
@@ -179,9 +181,11 @@ class _LockstepRun:
         tap: LiveSink | None,
         run_id: str,
         on_failure: Callable[[GraphnavError], None],
+        changes: Changes | None,
     ) -> None:
         self._graph, self.folder, self._tap, self._run_id = graph, folder, tap, run_id
-        self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured)
+        self._changes = changes
+        self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured, changes)
         self.clock = SimulatedClock()
         self._wall_s: float | None = None
         self._started_s = time.monotonic()
@@ -207,6 +211,8 @@ class _LockstepRun:
             full.open(self.folder)
             full.write(About.CHANNEL, 0, self._about())
             sinks.append(full)
+        self._takes_all = [self.writer, *sinks[1:]]
+        """Receive what no ``record`` option leaves out."""
         self._lockstep = wire(sinks)
         self.record.engine = self._lockstep.engine
         cleanup.callback(close, self._lockstep.engine.close)
@@ -225,13 +231,19 @@ class _LockstepRun:
             clock.advance(utime)
             if status is not None:
                 status.before_tick(utime, clock.behind_s)
-            return not should_stop()
+            if should_stop():
+                return False
+            if self._changes is not None:
+                self._changes.take(utime, self._takes_all)
+            return True
 
         try:
             with record.failures.noted():
                 self.writer.write(About.CHANNEL, 0, self._about())
                 self._lockstep.reset(self._graph.run.seed)
                 self._started_s = time.monotonic()
+                if self._changes is not None:
+                    self._changes.begin(self._lockstep)
                 record.outcome = self._lockstep.run(self._graph.run.until_s, before_tick)
         except KeyboardInterrupt:
             record.outcome = Outcome.STOPPED

@@ -15,6 +15,7 @@ from graphnav.core.machine.files import read_json
 from graphnav.core.machine.user_folders import user_folder
 
 _FOLDER = "running"
+_SOCKET = ".socket"
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class RunningRun:
     is_live: bool
     started_s: float
     """Unix time."""
+    takes_changes: bool = False
+    """Whether it listens on its `socket_path`."""
 
     @property
     def is_running(self) -> bool:
@@ -36,14 +39,21 @@ class RunningRun:
         return path is not None and _is_locked(path)
 
     @staticmethod
+    def socket_path(run_id: str) -> Path | None:
+        """Return where a run listens, in a folder of this user alone; None where the user has no state folder."""
+        path = _path(run_id)
+        return None if path is None else path.with_suffix(_SOCKET)
+
+    @staticmethod
     def all() -> list[RunningRun]:
         """Return all runs of this user on this machine, the oldest first; forget those whose process died."""
         folder = _folder()
         found = []
         for path in () if folder is None else folder.glob("*.json"):
             if not _is_locked(path):
-                with suppress(OSError):
-                    path.unlink()
+                for left in (path.with_suffix(_SOCKET), path):
+                    with suppress(OSError):
+                        left.unlink()
                 continue
             with suppress(OSError, ValueError, TypeError, KeyError):
                 said = read_json(path)
@@ -54,8 +64,8 @@ class RunningRun:
 class RunningFile:
     """A context in which a run is noted; where the user has no state folder, it is not."""
 
-    def __init__(self, run_id: str, graph: str, folder: Path, *, is_live: bool) -> None:
-        self._run = RunningRun(run_id, os.getpid(), graph, folder.absolute(), is_live, time.time())
+    def __init__(self, run_id: str, graph: str, folder: Path, *, is_live: bool, takes_changes: bool = False) -> None:
+        self._run = RunningRun(run_id, os.getpid(), graph, folder.absolute(), is_live, time.time(), takes_changes)
         self._fd = -1
 
     def __enter__(self) -> Self:

@@ -8,7 +8,7 @@ import math
 import platform
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -58,6 +58,8 @@ class Summary:
     """How far the run ended behind the wall clock, seconds: of a paced one its pace, of a live one its latest timer."""
     cause: str = ""
     """The failure without the time at which it happened: the same for runs that failed for the same reason."""
+    changes: list[dict[str, Any]] = field(default_factory=list)
+    """The stages that were rebuilt while the run went on: when, seconds from the start, as what, and the request."""
     processes: dict[str, Any] | None = None
     """Of a run in several processes: by name, the stages of each, and how it ended before the run did."""
     live: dict[str, Any] | None = None
