@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import Problem, UserError, did_you_mean, shown_path
+from graphnav.core.errors import Problem, UserError, did_you_mean
 from graphnav.core.graph.graph import Graph
 from graphnav.core.graph.load import graph_of
 from graphnav.core.graph.node import Node
@@ -14,6 +14,8 @@ from graphnav.core.graph.overrides.override import Override
 from graphnav.core.graph.resolved import resolved_yaml
 from graphnav.core.spec import TIME_KEYS
 
+_SOURCE = "graph of the run"
+"""Location of errors in what the graph said before: its file need not say that any more."""
 _STOP = "stop the run, and start it with this change"
 
 
@@ -42,9 +44,9 @@ def changed_graph(graph: Graph, began: Graph, overrides: Sequence[Override], cat
     problems = list(_refused(overrides))
     if problems:
         raise UserError(problems)
-    text, source = resolved_yaml(graph, portable_paths=False), shown_path(graph.path)
+    text = resolved_yaml(graph, portable_paths=False)
     replaced = [path.name for path in graph.plugins]
-    new = graph_of(text.encode(), graph.path, catalog, overrides, source, replaced, prunes=False)
+    new = graph_of(text.encode(), graph.path, catalog, overrides, _SOURCE, replaced, prunes=False)
     causes = {stage: override for override in overrides for stage in override.target.stages}
     nodes = tuple(new.node(name) for name in causes)
     problems += _source_problems(graph, nodes, causes)
