@@ -13,16 +13,19 @@ from graphnav.core.errors import StageError
 from graphnav.core.graph import Channel, Node
 from graphnav.core.messages import Fired
 from graphnav.core.runner import (
+    Encoded,
     Engine,
     LiveInbox,
     MatchedSet,
     Outcome,
+    RemoteStage,
     RemoteUnit,
     Sink,
     StageCalls,
     Taken,
     Timer,
     Unit,
+    decoded,
 )
 from graphnav.core.stage import Port
 from graphnav.live.clock import LiveClock
@@ -60,7 +63,7 @@ class LiveSchedule:
     def __init__(
         self,
         graph: Graph,
-        stages: Mapping[str, Stage],
+        stages: Mapping[str, Stage | RemoteStage],
         clock: LiveClock,
         intakes: Sequence[Intake],
         wake: threading.Event,
@@ -70,8 +73,8 @@ class LiveSchedule:
     ) -> None:
         self.graph = graph
         self.clock = clock
-        self.step_began: tuple[str, float] | None = None
-        """The running stage and the start of its step, for other threads; None between two steps."""
+        self.steps: dict[str, float] = {}
+        """The stages that make a step and when it began, monotonic seconds, for other threads."""
         self.is_idle = False
         """Whether nothing that has arrived waits for a stage that could fire."""
         self.sink = StampedNow(sinks, clock)
@@ -131,7 +134,7 @@ class LiveSchedule:
             (Timer(Timer.every(u.node.every_ms / 1e3), now_s), u) for u in units.values() if u.node.every_ms
         ]
         sources = [units[node.name] for node in self.graph.sources]
-        self._sources = [(Timer(_after_s(unit), now_s), unit) for unit in sources]
+        self._sources = [(self._source_timer(unit, now_s), unit) for unit in sources]
 
     @property
     def is_changeable(self) -> bool:
@@ -171,19 +174,26 @@ class LiveSchedule:
                 return Outcome.TIMEOUT
             if not keep_going():
                 return Outcome.STOPPED
-            if self._wake.is_set() or not fired:
-                self._wake.clear()
-                self._take_inputs()
-            outcome, fired = self._turn()
+            outcome = self._take_results()
+            if outcome is None:
+                if self._wake.is_set() or not fired:
+                    self._wake.clear()
+                    self._take_inputs()
+                outcome, fired = self._turn()
             self.is_idle = not fired
             if outcome is not None:
                 self._finish()
                 return outcome
-            if not fired and is_over():
-                return Outcome.END
-            if not fired:
+            if fired:
+                continue
+            if not self.steps:
+                if is_over():
+                    return Outcome.END
                 self._log_firings()
-                self._wake.wait(self._wait_s(end_s))
+            self._wait(self._wait_s(end_s))
+
+    def settle(self) -> None:
+        """Wait a little for steps that have not ended when the run has; what they publish goes to the log alone."""
 
     def close(self) -> None:
         """Close every stage, even if another one fails to close.
@@ -205,7 +215,7 @@ class LiveSchedule:
             outcome, fired = self._turn_untimed(now_s)
             if fired:
                 return outcome, True
-        due = [pair for pair in self._clocked if pair[0].is_due(now_s)]
+        due = [pair for pair in self._clocked if pair[0].is_due(now_s) and self._is_free(pair[1])]
         if not due:
             return self._turn_untimed(now_s)
         timer, unit = min(due, key=lambda pair: pair[0].due_s)
@@ -215,14 +225,12 @@ class LiveSchedule:
 
     def _turn_untimed(self, now_s: float) -> tuple[str | None, bool]:
         """Fire a stage whose inputs are complete or a source that is due; the same result as `_turn`."""
-        due = next(((timer, unit) for timer, unit in self._sources if timer.is_due(now_s)), None)
+        due = next((one for one in self._sources if one[0].is_due(now_s) and self._is_free(one[1])), None)
         if due is None or self._source_was_last:
-            for unit in self._order:
+            for unit in filter(self._is_free, self._order):
                 if (matched := unit.inbox.ready(now_s, unit.patience_s)) is not None:
                     self._source_was_last = False
-                    outcome = self._fire_set(unit, matched, now_s)
-                    unit.judge_deadline(matched.ready_s, self.clock.now_s())
-                    return outcome, True
+                    return self._fire_set(unit, matched, now_s), True
         if due is None:
             return None, False
         timer, unit = due
@@ -239,28 +247,50 @@ class LiveSchedule:
 
     def _fire_set(self, unit: Unit[LiveInbox], matched: MatchedSet, now_s: float) -> str | None:
         utime = self._own_stamp(now_s) if unit.inbox.is_clocked else matched.utime
-        return self._fire(unit, utime, unit.inbox.take_set(matched, now_s))
+        return self._fire(unit, utime, unit.inbox.take_set(matched, now_s), matched.ready_s)
 
     def _fire_timer(self, unit: Unit[LiveInbox], now_s: float) -> str | None:
         return self._fire(unit, self._own_stamp(now_s), unit.inbox.take_timer(now_s, unit.patience_s))
 
-    def _fire(self, unit: Unit[LiveInbox], utime: int, taken: Taken | None) -> str | None:
-        """Step a stage, unless its timer found nothing to step with."""
+    def _fire(self, unit: Unit[LiveInbox], utime: int, taken: Taken | None, ready_s: float | None = None) -> str | None:
+        """Step a stage, unless its timer found nothing to step with; ``ready_s``: when its set was complete."""
         outcome = None
         if taken is not None:
-            self._birth_s, self._origin_s = unit.inbox.birth_s, unit.inbox.origin_s
-            self.step_began = unit.node.name, self.clock.now_s()
             self._note_firing(unit, utime, taken)
-            outcome = self.engine.fire(unit, utime, taken.inputs, taken.age_s)
-            self.step_began = None
+            outcome = self._step(unit, utime, taken, ready_s)
         self.engine.ticks += 1
         return outcome
 
+    def _step(self, unit: Unit[LiveInbox], utime: int, taken: Taken, ready_s: float | None) -> str | None:
+        self._birth_s, self._origin_s = unit.inbox.birth_s, unit.inbox.origin_s
+        self.steps[unit.node.name] = self.clock.now_s()
+        outcome = self.engine.fire(unit, utime, taken.inputs, taken.age_s)
+        del self.steps[unit.node.name]
+        if ready_s is not None:
+            unit.judge_deadline(ready_s, self.clock.now_s())
+        return outcome
+
+    def _is_free(self, _: Unit[LiveInbox]) -> bool:
+        """Whether a stage would begin a step at once."""
+        return True
+
+    def _source_timer(self, unit: Unit[LiveInbox], start_s: float) -> Timer:
+        return Timer(_after_s(unit), start_s)
+
+    def _take_results(self) -> str | None:
+        """Publish what steps that have ended elsewhere returned; return the outcome if a source ended the run."""
+        return None
+
+    def _wait(self, timeout_s: float) -> None:
+        self._wake.wait(timeout_s)
+
     def _wait_s(self, end_s: float) -> float:
-        """Return the time until the next event other than the arrival of an input."""
+        """Return the time until the next event other than the arrival of an input, and the end of a step."""
         now_s = self.clock.now_s()
-        due_s = min((timer.due_s for timer, _ in (*self._clocked, *self._sources)), default=math.inf)
-        waking_s = min((unit.inbox.wakes_at_s(unit.patience_s) for unit in self._order), default=math.inf)
+        timers = (timer for timer, unit in (*self._clocked, *self._sources) if self._is_free(unit))
+        due_s = min((timer.due_s for timer in timers), default=math.inf)
+        free = filter(self._is_free, self._order)
+        waking_s = min((unit.inbox.wakes_at_s(unit.patience_s) for unit in free), default=math.inf)
         return max(0.0, min(due_s, waking_s, end_s, now_s + _MAX_WAIT_S) - now_s)
 
     def _take_inputs(self) -> None:
@@ -276,26 +306,32 @@ class LiveSchedule:
     def _deliver_input(self, intake: Intake, received: Received) -> None:
         name = intake.source.channel.name
         if received.is_restart:
-            self._restart(name)
+            self._restart([name])
         number = self.engine.number(name)
         self._birth_s = received.birth_s
+        data = received.raw or encode(received.message, received.utime, number)
+        self.engine.deliver_bytes(name, received.utime, number, data)
         self.engine.deliver(name, received.utime, number, received.message)
-        self.sink.write(name, received.utime, received.raw or encode(received.message, received.utime, number))
+        self.sink.write(name, received.utime, data)
 
-    def _restart(self, name: str) -> None:
-        """Drop what was made from an input that restarts; guards fire at once without it, which is a stop."""
+    def _restart(self, channels: Iterable[str]) -> None:
+        """Drop what was made from channels that restart; guards fire at once without them, which is a stop."""
         restarted: dict[str, Unit[LiveInbox]] = {}
-        pending = [name]
+        pending = list(channels)
         while pending:
             for unit, port in self._readers(pending.pop()):
                 if not port.latest and unit.node.name not in restarted:
                     restarted[unit.node.name] = unit
                     pending += [one.name for one in unit.node.outputs.values()]
         for unit in restarted.values():
-            unit.inbox.restart()
+            self._drop(unit)
         for _, unit in self._clocked:
             if unit.node.name in restarted:
                 self._fire_timer(unit, self.clock.now_s())
+
+    def _drop(self, unit: Unit[LiveInbox]) -> None:
+        """Drop what waits for a stage."""
+        unit.inbox.restart()
 
     def withhold_commands(self, *, is_withheld: bool) -> None:
         """Give guards no command from now on, or again: one that is not sent must not count as driven."""
@@ -312,11 +348,15 @@ class LiveSchedule:
     def _arrived(self, inbox: LiveInbox, port: Port, utime: int, number: int, message: Message) -> None:
         inbox.put(port, utime, number, message, self._birth_s, self.clock.now_s())
 
-    def _send(self, channel: Channel, utime: int, _number: int, message: Message, data: bytes) -> None:
+    def _send(self, channel: Channel, utime: int, _number: int, message: Message | Encoded, data: bytes) -> None:
         """Send an output to other programs, and keep the state of a guard."""
+        outlet = self.outlets.get(channel.ref)
+        is_state = issubclass(channel.message, GuardState)
+        if isinstance(message, Encoded) and (is_state or (outlet is not None and outlet.target.adapter is not None)):
+            message = decoded(channel, data)[2]
         if isinstance(message, GuardState):
             self.guard_states[channel.stage] = message
-        if (outlet := self.outlets.get(channel.ref)) is not None:
+        if outlet is not None:
             outlet.publish(message, data, utime, self._birth_s, self._origin_s)
 
     def _note_firing(self, unit: Unit[LiveInbox], utime: int, taken: Taken) -> None:

@@ -12,7 +12,7 @@ from graphnav.core.codec import codec_of
 from graphnav.core.errors import BusError, one_line
 from graphnav.core.graph import OutputChannel, stop_fields
 from graphnav.core.interrupts import CtrlC
-from graphnav.core.runner import Durations
+from graphnav.core.runner import Durations, Encoded
 from graphnav.live.clock import LiveClock
 from graphnav.live.motors.channel import MotorChannel
 from graphnav.live.motors.offsets import offsets_of
@@ -53,8 +53,10 @@ class Outlet:
         """The number of messages sent, or about to be."""
         return self._accepted - self.overtaken
 
-    def publish(self, message: Message, data: bytes, utime: int, birth_s: float, origin_s: float) -> None:
-        """Send a message; ``data``: its bytes in graphnav's own type; ``birth_s``, ``origin_s``: see `LiveInbox`.
+    def publish(self, message: Message | Encoded, data: bytes, utime: int, birth_s: float, origin_s: float) -> None:
+        """Send a message, which is not `Encoded` for an adapter.
+
+        ``data``: its bytes in graphnav's own type; ``birth_s``, ``origin_s``: see `LiveInbox`.
 
         Raises
         ------
@@ -62,6 +64,7 @@ class Outlet:
             The adapter cannot convert it to its type.
         """
         if self.target.adapter is not None:
+            assert isinstance(message, Message), "decoded for it"
             data = adapted(self.target, message, utime)
         if not self._send(self.target.name, data, birth_s):
             self.refused += 1

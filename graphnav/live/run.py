@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Collection, Mapping
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
 from graphnav import About, Graph, GraphnavError, Stage, Status
@@ -21,6 +21,9 @@ from graphnav.core.runner import (
     Measured,
     Outcome,
     RecordedRun,
+    RemoteProcesses,
+    RemoteStage,
+    RemoteUnit,
     Sink,
     StageCalls,
     StallLimit,
@@ -34,6 +37,11 @@ from graphnav.live.health.status import Losses
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.playback import Playback
 from graphnav.live.live_schedule import LiveSchedule
+from graphnav.live.process_schedule import ProcessSchedule, WakeEvent
+
+Apart = tuple[RemoteProcesses, Mapping[str, RemoteStage]]
+"""Processes, and the stages that live there, by name."""
+StartProcesses = Callable[[Interrupt], Apart]
 
 _WATCH_PERIOD_S = 0.5
 _BUSY_S = 0.5
@@ -58,6 +66,7 @@ def run_live(
     should_stop: Callable[[], bool] = lambda: False,
     stall: StallLimit | None = None,
     changes: Changes | None = None,
+    start_processes: StartProcesses | None = None,
 ) -> Summary:
     """Run ``graph`` live into ``folder``, which must exist, and return the content of its ``summary.json``.
 
@@ -67,6 +76,7 @@ def run_live(
     ``should_stop`` ends the run as Ctrl-C does, for runs outside the main thread. ``stall``: when a call into a stage
     that does not return ends the process, None for never; motor channels get a stop then, as whenever the run dies.
     ``changes`` its stages while it lasts.
+    ``start_processes``: starts the processes of stages that live in others, None where all live in this one.
 
     Raises
     ------
@@ -78,7 +88,7 @@ def run_live(
     run = _LiveRun(graph, folder.absolute(), live_url(graph, url), tap, run_id, on_failure, changes)
 
     def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
-        run.begin(stages, keep, notice, calls, cleanup)
+        run.begin(stages, keep, notice, calls, cleanup, None if start_processes is None else start_processes(interrupt))
         run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
 
     return run.record.conduct(run_with, stall, {})
@@ -100,7 +110,7 @@ class _LiveRun:
         self._graph, self._folder, self._url, self._tap, self._run_id = graph, folder, url, tap, run_id
         self._changes = changes
         self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured, changes)
-        self._wake = threading.Event()
+        self._processes: RemoteProcesses | None = None
 
     def begin(
         self,
@@ -109,10 +119,12 @@ class _LiveRun:
         notice: Callable[[str], None],
         calls: StageCalls,
         cleanup: ExitStack,
+        apart: Apart | None,
     ) -> None:
         """Open the logs that are written and played and wire the stages; ``cleanup`` gets what closes all that."""
         graph, tap = self._graph, self._tap
         self.record.save_graph()
+        self._wake = cleanup.enter_context(closing(WakeEvent()))
         self._clock = LiveClock()
         intakes = [Intake(one, self._clock, needs_all=_needs_all(graph, ref)) for ref, one in graph.inputs.items()]
         played = [(one.source, one.mailbox) for one in intakes if one.source.log is not None]
@@ -126,7 +138,13 @@ class _LiveRun:
             cleanup.callback(tap.close)
         sinks = [self.record.kept(writer, keep, is_live=True), *_watched(graph, tap, self._url)]
         firings = writer if keep is None else None
-        self._schedule = LiveSchedule(graph, stages, self._clock, intakes, self._wake, sinks, firings, calls)
+        if apart is None:
+            self._schedule = LiveSchedule(graph, stages, self._clock, intakes, self._wake, sinks, firings, calls)
+        else:
+            self._processes = apart[0]
+            self._schedule = ProcessSchedule(
+                graph, stages, self._clock, intakes, self._wake, sinks, firings, calls, *apart
+            )
         cleanup.callback(self.record.failures.close, self._schedule.close)
 
         def losses() -> Losses:
@@ -147,6 +165,8 @@ class _LiveRun:
         except KeyboardInterrupt:
             self.record.outcome = Outcome.STOPPED
             self._observer.tell_broken_off()
+        with self.record.failures.noted(), suppress(KeyboardInterrupt):
+            self._schedule.settle()
         self.record.read_scores()
 
     def _fire(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:
@@ -190,6 +210,7 @@ class _LiveRun:
             behind_s=status.behind_s,
             tap_dropped=status.tap_dropped,
             notices=tuple(self._observer.told),
+            processes=None if self._processes is None else self._processes.report(),
             live=_live_part(status, self._writer, self._url, self._observer.dropped_packets),
         )
 
@@ -259,12 +280,13 @@ def _live_part(status: Status, writer: ThreadedLogWriter, url: str, dropped_pack
 class Watchdog:
     """Reports through ``notice``, once per step, a stage that has been in one step for more than a second.
 
-    It looks from a separate thread. A native call that holds Python's interpreter lock blocks it too: then only the
-    motor process acts.
+    It looks from a separate thread. A native call of a stage of this process that holds Python's interpreter lock
+    blocks it too: then only the motor process acts.
     """
 
     def __init__(self, schedule: LiveSchedule, notice: Callable[[str], None]) -> None:
         self._schedule, self._notice = schedule, notice
+        self._apart = {name for name, unit in schedule.engine.units.items() if isinstance(unit, RemoteUnit)}
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._serve, name="graphnav-watchdog", daemon=True)
         self._thread.start()
@@ -275,10 +297,12 @@ class Watchdog:
         self._thread.join()
 
     def _serve(self) -> None:
-        told: tuple[str, float] | None = None
+        told: set[tuple[str, float]] = set()
         while not self._ending.wait(_WATCH_PERIOD_S):
-            step = self._schedule.step_began
-            if step is not None and step != told and self._schedule.clock.now_s() - step[1] > _HANGS_S:
-                told = step
-                hung_s = self._schedule.clock.now_s() - step[1]
-                self._notice(f"hangs: {step[0]} has been in one step for {hung_s:.1f} s; motor channels get stops")
+            steps, now_s = set(self._schedule.steps.items()), self._schedule.clock.now_s()
+            told &= steps
+            for name, began_s in steps - told:
+                if now_s - began_s > _HANGS_S:
+                    told.add((name, began_s))
+                    effect = "what reads it gets nothing" if name in self._apart else "motor channels get stops"
+                    self._notice(f"hangs: {name} has been in one step for {now_s - began_s:.1f} s; {effect}")

@@ -6,6 +6,7 @@ import json
 import socket
 import struct
 from collections.abc import Sequence
+from contextlib import suppress
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -65,10 +66,81 @@ def receive(link: socket.socket) -> Frame:
     ValueError
         It sent something else.
     """
-    (n_bytes,) = _LENGTH.unpack(_received(link, _LENGTH.size))
+    return _unpacked(_received(link, _n_bytes(_received(link, _LENGTH.size))))
+
+
+class Link:
+    """The run's side of the connection to a process, which never waits for the other side.
+
+    It owns the socket.
+    """
+
+    def __init__(self, connection: socket.socket) -> None:
+        self._socket = connection
+        connection.settimeout(0.0)
+        self._unsent: list[memoryview] = []
+        self._data, self._at, self._reads_length = _piece(_LENGTH.size), 0, True
+
+    @property
+    def is_sending(self) -> bool:
+        """Whether a part of what was to be sent is left."""
+        return bool(self._unsent)
+
+    def fileno(self) -> int:
+        """Return the descriptor, for a poll."""
+        return self._socket.fileno()
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._socket.close()
+
+    def send(self, frame: Frame) -> None:
+        """Send a frame as far as the other side takes it; raises OSError if that is gone."""
+        pieces = _packed(frame)
+        if sum(map(len, pieces)) <= _JOINED_BYTES:
+            pieces = [b"".join(pieces)]
+        self._unsent += map(memoryview, pieces)
+        self.send_more()
+
+    def send_more(self) -> None:
+        """Send what is left, as far as the other side takes it; raises OSError if that is gone."""
+        with suppress(BlockingIOError):
+            _send_pieces(self._socket, self._unsent)
+
+    def receive(self) -> Frame | None:
+        """Return the next frame if all of it is there, else None; raises what `receive` raises."""
+        with suppress(BlockingIOError):
+            while True:
+                self._read()
+                data, was_length = self._data, self._reads_length
+                n_bytes = _n_bytes(data) if was_length else _LENGTH.size
+                self._data, self._at, self._reads_length = _piece(n_bytes), 0, not was_length
+                if not was_length:
+                    return _unpacked(data)
+        return None
+
+    def _read(self) -> None:
+        """Read all of what is expected; raises BlockingIOError where some of it is not there yet."""
+        while self._at < len(self._data):
+            n_more = self._socket.recv_into(self._data[self._at :])
+            if not n_more:
+                raise EOFError
+            self._at += n_more
+
+
+def _piece(n_bytes: int) -> memoryview:
+    return memoryview(bytearray(n_bytes))
+
+
+def _n_bytes(data: memoryview) -> int:
+    (n_bytes,) = _LENGTH.unpack(data)
     if not _HEADER.size <= n_bytes <= MAX_BYTES:
         raise ValueError(f"a frame of {n_bytes} bytes, expected {_HEADER.size} to {MAX_BYTES}")
-    data = _received(link, n_bytes)
+    return int(n_bytes)
+
+
+def _unpacked(data: memoryview) -> Frame:
+    n_bytes = len(data)
     kind, n_head, n_messages = _HEADER.unpack_from(data)
     at = _HEADER.size + n_messages * _SIZE.size
     if at + n_head > n_bytes:
@@ -108,8 +180,7 @@ def _send_pieces(link: socket.socket, pieces: list[memoryview]) -> None:
 
 
 def _received(link: socket.socket, n_bytes: int) -> memoryview:
-    data = memoryview(bytearray(n_bytes))
-    at = 0
+    data, at = _piece(n_bytes), 0
     while at < n_bytes:
         n_more = link.recv_into(data[at:])
         if not n_more:

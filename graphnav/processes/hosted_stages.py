@@ -9,11 +9,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from graphnav import GraphnavError, Message
+from graphnav import GraphnavError
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import Channel, part_of
+from graphnav.core.graph import Channel, Node, part_of
 from graphnav.core.interrupts import CtrlC, raise_ctrl_c
-from graphnav.core.runner import LockstepEngine, decoded, difference_here
+from graphnav.core.runner import LiveStep, LockstepEngine, Timer, decoded, difference_here
 from graphnav.processes.frames import Frame, Kind, receive, send
 from graphnav.processes.step_frames import InputsReceived, packed_error
 
@@ -56,6 +56,8 @@ class HostedStages:
         self._units = [self._engine.units[node.name] for node in graph.nodes]
         self._inputs: list[InputsReceived] = []
         self._n_fired: list[int] = []
+        self._timers: dict[int, Timer] = {}
+        """Of the sources of a live run, which skip firings that they have missed."""
         self._outputs: list[tuple[Channel, int, bytes]] = []
         self._answers: dict[int, Callable[[Any, Sequence[bytes]], Frame]] = {
             Kind.RESET: self._reset,
@@ -68,28 +70,41 @@ class HostedStages:
         """Do what a frame asks for, and return the answer."""
         return self._answers[frame.kind](frame.head, frame.messages)
 
-    def _reset(self, seed: int, _: Sequence[bytes]) -> Frame:
+    def _reset(self, order: tuple[int, int], _: Sequence[bytes]) -> Frame:
+        seed, begin_us = order
+        self._engine.begin_at(begin_us)
         self._inputs, self._n_fired = [InputsReceived(node) for node in self._nodes], [0] * len(self._nodes)
-        return _called(lambda: self._engine.reset(seed))
+        self._timers.clear()
 
-    def _fire(self, head: tuple[int, int, Any], messages: Sequence[bytes]) -> Frame:
-        place, utime, said = head
+        def reset() -> list[float]:
+            self._engine.reset(seed)
+            return [unit.patience_s() if _has_since(unit.node) else 0.0 for unit in self._units]
+
+        return _called(reset)
+
+    def _fire(self, head: tuple[int, int, Any, Sequence[Any] | None], messages: Sequence[bytes]) -> Frame:
+        place, utime, said, with_it = head
+        live = None if with_it is None else LiveStep(*with_it)
         unit = self._units[place]
         self._outputs = []
         outcome, failed, due = None, None, None
         n_steps, before_s = unit.durations.count, unit.durations.total_s
         try:
             with _interruptible():
-                outcome = self._engine.fire(unit, utime, self._inputs[place].unpacked(said, messages), 0.0)
+                inputs = self._inputs[place].unpacked(said, messages)
+                if live is not None:
+                    self._prepare(place, live)
+                outcome = self._engine.fire(unit, utime, inputs, 0.0 if live is None else live.age_s)
                 for channel, _, data in self._outputs:
                     if channel.ref in self._read:
                         decoded(channel, data)  # what no reader could decode is an error of the writer
         except (GraphnavError, CtrlC) as error:
             failed = error
         self._n_fired[place] += 1
+        timer = self._timers.get(place)
         if unit.node.is_source and failed is None:
             try:
-                due = unit.due_us(self._n_fired[place])
+                due = unit.due_us(self._n_fired[place]) if timer is None else round(timer.due_s * 1e6)
             except GraphnavError as error:
                 due = packed_error(error)
         ports = list(unit.node.outputs)
@@ -99,8 +114,18 @@ class HostedStages:
             "error": packed_error(failed),
             "took_s": unit.durations.total_s - before_s if unit.durations.count > n_steps else None,
             "due": due,
+            "skipped": 0 if timer is None else timer.skipped,
         }
         return Frame(Kind.ANSWER, done, tuple(data for _, _, data in self._outputs))
+
+    def _prepare(self, place: int, live: LiveStep) -> None:
+        """Set the numbers of what a live step publishes, and let the timer of a source go on to its next firing."""
+        unit = self._units[place]
+        for channel, number in zip(unit.node.outputs.values(), live.numbers, strict=True):
+            self._engine.set_next_number(channel.name, number)
+        if live.run_s is not None:
+            timer = self._timers.setdefault(place, Timer(lambda firing: unit.due_us(firing) * 1e-6, 0.0))
+            timer.advance(live.run_s)
 
     def _metrics(self, place: int, _: Sequence[bytes]) -> Frame:
         return _called(self._units[place].metrics)
@@ -109,8 +134,12 @@ class HostedStages:
         place, at_s = head
         return _called(lambda: self._units[place].close(at_s))
 
-    def _keep(self, channel: Channel, utime: int, _number: int, _message: Message, data: bytes) -> None:
+    def _keep(self, channel: Channel, utime: int, _number: int, _message: object, data: bytes) -> None:
         self._outputs.append((channel, utime, data))
+
+
+def _has_since(node: Node) -> bool:
+    return any(i.port.since for i in node.inputs)
 
 
 def _called(call: Callable[[], Any]) -> Frame:

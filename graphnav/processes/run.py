@@ -1,9 +1,9 @@
-"""Run a graph in lockstep in the processes that it names."""
+"""Run a graph in the processes that it names, in lockstep or live."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -42,11 +42,6 @@ def run_processes(
     """
     with closing(Supervisor(graph, folder.absolute(), notice)) as supervisor:
         supervised(supervisor)
-        remote: Mapping[str, RemoteStage] = {
-            node.name: ProcessStage(process, place, supervisor)
-            for process in supervisor.processes.values()
-            for place, node in enumerate(process.nodes)
-        }
 
         def make_lockstep(
             graph: Graph,
@@ -58,6 +53,50 @@ def run_processes(
         ) -> Lockstep:
             supervisor.is_asked_to_stop = lambda: interrupt.asked
             supervisor.start()
-            return ProcessLockstep(graph, {**stages, **remote}, sinks, spans, calls, supervisor)
+            return ProcessLockstep(graph, {**stages, **_stages_of(supervisor)}, sinks, spans, calls, supervisor)
 
         return run_recorded(graph, stages, folder, notice=notice, make_lockstep=make_lockstep, **options)
+
+
+def run_live_processes(
+    run_live: Callable[..., Summary],
+    graph: Graph,
+    stages: dict[str, Stage],
+    folder: Path,
+    *,
+    notice: Callable[[str], None] = print_notice,
+    supervised: Callable[[Supervisor], None] = lambda _: None,
+    **options: Any,
+) -> Summary:
+    """Run ``graph`` live by ``run_live``, with the stages of `Graph.deploy` in their processes.
+
+    ``notice`` and ``supervised``: as of `run_processes`. ``options``: of ``run_live``.
+
+    Raises
+    ------
+    GraphnavError
+        The processes cannot be connected.
+    UserError
+        The folder cannot be written, or a log to play does not contain the channels of the graph.
+    CtrlC
+        The user asked for the end before the stages were wired, or after the run had reached its own.
+    """
+    with ExitStack() as cleanup:
+
+        def start(interrupt: Interrupt) -> tuple[Supervisor, Mapping[str, RemoteStage]]:
+            supervisor = cleanup.enter_context(closing(Supervisor(graph, folder.absolute(), notice, is_live=True)))
+            supervisor.is_asked_to_stop = lambda: interrupt.asked
+            supervised(supervisor)
+            supervisor.start()
+            supervisor.await_ready()
+            return supervisor, _stages_of(supervisor)
+
+        return run_live(graph, stages, folder, notice=notice, start_processes=start, **options)
+
+
+def _stages_of(supervisor: Supervisor) -> Mapping[str, RemoteStage]:
+    return {
+        node.name: ProcessStage(process, place, supervisor)
+        for process in supervisor.processes.values()
+        for place, node in enumerate(process.nodes)
+    }

@@ -12,9 +12,9 @@ from graphnav import GraphnavError
 from graphnav.core.graph import Node, Part
 from graphnav.core.runner import Encoded
 from graphnav.processes.descriptors import is_readable
-from graphnav.processes.frames import Frame, Kind, receive, send
+from graphnav.processes.frames import Frame, Kind, Link
 from graphnav.processes.journal import Journal
-from graphnav.processes.step_frames import digest_of
+from graphnav.processes.step_frames import digest_of, unpacked_error
 
 
 class Request:
@@ -23,11 +23,13 @@ class Request:
     ``digest``: of the answer that is expected, where the process is given a step again.
     """
 
-    __slots__ = ("answer", "digest", "head", "kind", "messages")
+    __slots__ = ("answer", "digest", "head", "is_lost", "kind", "messages")
 
     def __init__(self, kind: Kind, head: Any, messages: Sequence[Encoded] = (), digest: int | None = None) -> None:
         self.kind, self.head, self.messages, self.digest = kind, head, messages, digest
         self.answer: Frame | None = None
+        self.is_lost = False
+        """Whether the process ended before it answered, and no other one is asked."""
 
     @property
     def frame(self) -> Frame:
@@ -40,17 +42,26 @@ class StageProcess:
 
     It answers one request before it is sent the next one, so that neither side ever waits for the other to read.
     ``setup``: the head of its first frame. ``journal``: keeps its steps, None where it is never started again.
+    ``is_live``: a new one is only reset; what the one before was asked is lost.
     """
 
-    def __init__(self, part: Part, nodes: Sequence[Node], setup: Any, journal: Journal | None) -> None:
+    def __init__(
+        self, part: Part, nodes: Sequence[Node], setup: Any, journal: Journal | None, *, is_live: bool
+    ) -> None:
         self.part, self.nodes = part, nodes
+        self.restarts = 0
+        """How often it was started again."""
         self.failure = ""
         """Why it is down for good, in a sentence that begins with "its process"; empty while it is not."""
         self.hint = ""
-        self.link: socket.socket | None = None
+        self.link: Link | None = None
         self.is_interrupted = False
         """Whether a step of it was broken off, after which its stages are only asked for metrics and closed."""
-        self._setup, self._journal = setup, journal
+        self._setup, self._journal, self._is_live = setup, journal, is_live
+        self.is_made = False
+        """Whether there is a process that has made its stages."""
+        self._has_begun = False
+        """Whether it has all that the process before it had."""
         self._reset: Request | None = None
         self._first: Iterator[Request] = iter(())
         self._pending: deque[Request] = deque()
@@ -60,6 +71,11 @@ class StageProcess:
     def is_busy(self) -> bool:
         """Whether it has something to answer."""
         return self._current is not None or bool(self._pending)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it has been reset and has nothing to answer."""
+        return self.link is not None and self._has_begun and not self.is_busy
 
     @property
     def is_down(self) -> bool:
@@ -74,20 +90,20 @@ class StageProcess:
             self._send_next()
         return request
 
-    def ordered_reset(self, seed: int) -> Request:
-        """Return the request that resets all stages by the seed of the run, which is made once."""
-        if self._reset is None or self._reset.head != seed:
-            self._reset = self.post(Kind.RESET, seed)
+    def ordered_reset(self, order: tuple[int, int]) -> Request:
+        """Return the request that resets all stages by the seed of the run and its clock, which is made once."""
+        if self._reset is None or self._reset.head != order:
+            self._reset = self.post(Kind.RESET, order)
         return self._reset
 
     def connected(self, link: socket.socket) -> None:
         """Take the connection of a process that has just started, and give it all that the one before had."""
-        self.link = link
-        self._first = self._again()
+        self.link = Link(link)
+        self._first, self._has_begun = self._again(), False
         self._send_next()
 
     def read(self) -> None:
-        """Take the answer that has arrived, and send what is next.
+        """Take the answer if all of it has arrived, and send what is next.
 
         Raises
         ------
@@ -97,13 +113,16 @@ class StageProcess:
             It cannot be brought to where the run is: what it answers is not what it answered before.
         """
         assert self.link is not None, "it is connected"
-        answer = receive(self.link)
+        answer = self.link.receive()
+        if answer is None:
+            return
         request, self._current = self._current, None
         if request is None or answer.kind != Kind.ANSWER:
             raise ValueError("it answers what it was not asked")
         if request.kind == Kind.SETUP:
             if answer.head is not None:
                 raise GraphnavError(answer.head)
+            self.is_made = True
         elif request.digest is not None:
             self._compare(request, answer)
         else:
@@ -115,13 +134,18 @@ class StageProcess:
         return self.link is not None and is_readable(self.link.fileno())
 
     def disconnected(self) -> None:
-        """Note that the process has ended: what it has not answered is asked again of the next one."""
+        """Note that the process has ended: what it has not answered is asked again of the next one, or lost."""
         if self.link is not None:
             self.link.close()
             self.link = None
+        self.is_made = False
         if self._current is not None and self._current.kind != Kind.SETUP and self._current.digest is None:
             self._pending.appendleft(self._current)
         self._current = None
+        if self._is_live:
+            for request in self._pending:
+                request.is_lost = request.kind != Kind.RESET
+            self._pending = deque(request for request in self._pending if not request.is_lost)
 
     def give_up(self, why: str, hint: str = "") -> None:
         """Note that it is not started again."""
@@ -140,8 +164,8 @@ class StageProcess:
 
     def _compare(self, request: Request, answer: Frame) -> None:
         if request.kind == Kind.RESET:
-            if answer.head["error"] is not None:
-                raise GraphnavError("its stages can be reset only once")
+            if (error := unpacked_error(answer.head["error"])) is not None:
+                raise GraphnavError("its stages can be reset only once") from error
         elif digest_of(answer) != request.digest:
             stage = self.nodes[request.head[0]].name
             raise GraphnavError(
@@ -163,10 +187,11 @@ class StageProcess:
         if self.link is None or self._current is not None:
             return
         request = next(self._first, None)
-        if request is None and self._pending:
-            request = self._pending.popleft()
+        if request is None:
+            self._has_begun = self._reset is not None
+            request = self._pending.popleft() if self._pending else None
         if request is None:
             return
         self._current = request
         with suppress(OSError):  # it has ended, which is noticed when it is waited for
-            send(self.link, request.frame)
+            self.link.send(request.frame)

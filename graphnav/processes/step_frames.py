@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import traceback
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from graphnav import GraphnavError, Latest, Message, Since
@@ -14,11 +15,12 @@ from graphnav.core.errors import StageError
 from graphnav.core.graph import Input, Node
 from graphnav.core.interrupts import CtrlC
 from graphnav.core.runner import Done, Encoded
+from graphnav.core.stage import Port
 from graphnav.processes.frames import Frame
 
 
 class InputsSent:
-    """Packs the inputs of the steps of one stage; a sampled message that it was given before is not sent again."""
+    """Packs the inputs of the steps of one stage; a message that the step before was given, too, is not sent again."""
 
     def __init__(self, node: Node) -> None:
         self._ports = _connected(node)
@@ -36,19 +38,24 @@ class InputsSent:
                 head.append([utime for utime, _ in given.messages])
                 messages += [message for _, message in given.messages]
             else:
-                head.append(None)
-                messages.append(given)
+                head.append(self._is_new(i.port.name, given, messages))
         return head, messages
 
     def _sampled(self, port: str, given: Latest[Any], messages: list[Encoded]) -> list[Any] | None:
-        """Return the age of a sampled message and whether it is new to the stage."""
-        if given.value is None:
+        """Return a sampled message's age, whether it is new to the stage, and the fault of its input."""
+        if given.value is None and not given.fault:
             return None
-        is_new = self._given.get(port) is not given.value
+        return [given.age_s, self._is_new(port, given.value, messages), given.fault]
+
+    def _is_new(self, port: str, given: Encoded | None, messages: list[Encoded]) -> bool | None:
+        """Return whether a message is new to the stage, and append it then; None where there is none."""
+        if given is None:
+            return None
+        is_new = self._given.get(port) is not given
         if is_new:
-            self._given[port] = given.value
-            messages.append(given.value)
-        return [given.age_s, is_new]
+            self._given[port] = given
+            messages.append(given)
+        return is_new
 
 
 class InputsReceived:
@@ -70,14 +77,18 @@ class InputsReceived:
         for i, said in zip(self._ports, head, strict=True):
             port, kind = i.port, i.port.message
             if port.latest:
-                if said is not None and said[1]:
-                    self._given[port.name] = decode(kind, next(left))[2]
-                inputs[port.name] = Latest() if said is None else Latest(self._given[port.name], said[0])
+                age_s, is_new, fault = said or (math.inf, None, "")
+                inputs[port.name] = Latest(self._message(port, is_new, left), age_s, fault)
             elif port.since:
                 inputs[port.name] = Since(tuple((utime, decode(kind, next(left))[2]) for utime in said))
             else:
-                inputs[port.name] = decode(kind, next(left))[2]
+                inputs[port.name] = self._message(port, said, left)
         return inputs
+
+    def _message(self, port: Port, is_new: bool | None, left: Iterator[bytes]) -> Message | None:  # noqa: FBT001 - as it was sent
+        if is_new:
+            self._given[port.name] = decode(port.message, next(left))[2]
+        return None if is_new is None else self._given[port.name]
 
 
 def _connected(node: Node) -> list[Input]:
@@ -125,6 +136,7 @@ def unpacked_done(node: Node, frame: Frame) -> Done:
         unpacked_error(head["error"]),
         head["took_s"],
         unpacked_error(due) if isinstance(due, dict) else due,
+        head["skipped"],
     )
 
 

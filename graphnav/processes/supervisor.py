@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,8 @@ from graphnav.processes.wardens import Wardens
 
 _END_S = 1.0
 """How long a process may take to end by itself."""
+_ANSWER_S = 5.0
+"""How long a process of a live run may take to answer what is not a step, such as for its metrics."""
 _INTERRUPT_S = 0.5
 """How long a step may take to end after it was interrupted."""
 
@@ -52,14 +54,25 @@ class Supervisor:
     """Owns the processes of a run; one thread uses it, the one that steps the stages.
 
     ``folder``: of the run. ``notice`` gets restarts, and what the stages print. ``is_asked_to_stop``: whether the user
-    wants the run to end; then nothing is started any more.
+    wants the run to end; then nothing is started any more. ``is_live``: a process that is started again is reset, and
+    not fed what the one before was given.
     """
 
-    def __init__(self, graph: Graph, folder: Path, notice: Callable[[str], None]) -> None:
+    def __init__(self, graph: Graph, folder: Path, notice: Callable[[str], None], *, is_live: bool = False) -> None:
         self.is_asked_to_stop: Callable[[], bool] = lambda: False
         self._folder, self._notice = folder, notice
+        self.order = 0, 0
+        """Of the reset of all stages: the seed of the run, and its clock at the start, microseconds."""
+        self._is_live = is_live
+        self.answer_within_s = _ANSWER_S if is_live else None
+        """How long a process may take to answer what is not a step, None for as long as it likes."""
         restarts = any(part.restart != "never" for part in graph.deploy.values())
-        self._journal = Journal(folder) if restarts else None
+        self._journal = Journal(folder) if restarts and not is_live else None
+        self._setup = {
+            "path": str(graph.path),
+            "read": sorted(graph.read),
+            "plugins": [str(path) for path in graph.plugins],
+        }
         versions = _versions(graph)
         self.processes = {part.name: self._process(graph, part, versions) for part in graph.deploy.values()}
         """By the name of the part."""
@@ -68,12 +81,20 @@ class Supervisor:
         self._restarts = {name: Restarts(part) for name, part in graph.deploy.items()}
         self._due_s: dict[str, float] = {}
         """When processes are started again, monotonic seconds."""
+        self._killed_s: dict[str, float] = {}
+        """When processes are killed that have closed their side of the connection and have not ended, the same."""
+        self._lost: set[str] = set()
+        self._lost_s: dict[str, float] = {}
+        """When processes ended that are not back, monotonic seconds."""
+        self._ended: dict[str, None] = {}
+        """The processes whose end the last `wait` has met: those who wait learn of it before time is spent on it."""
         self._running: dict[str, Running] = {}
         self._epochs = dict.fromkeys(self.processes, 0)
         self._run = new_run_id()
         self._sockets, self._listener = _listening(len(self.processes))
         self._poll = select.poll()
         self._poll.register(self._listener, select.POLLIN)
+        self._sending: set[str] = set()
         self._wardens = Wardens(f"{self._run}/", self._sockets)
         self._is_closing = False
 
@@ -92,10 +113,16 @@ class Supervisor:
         for name in self.processes:
             self._start(name)
 
-    def order_reset(self, seed: int) -> None:
-        """Let all processes begin to reset their stages by the seed of the run."""
+    def await_ready(self) -> None:
+        """Wait until all processes have made their stages, or are down."""
+        while not all(process.is_made or process.is_down for process in self.processes.values()):
+            self.wait()
+
+    def order_reset(self, seed: int, begin_us: int = 0) -> None:
+        """Let all processes begin to reset their stages by the seed of the run, and its clock at the start."""
+        self.order = seed, begin_us
         for process in self.processes.values():
-            process.ordered_reset(seed)
+            process.ordered_reset(self.order)
 
     def wait(self, timeout_s: float | None = None) -> None:
         """Wait for something to happen to the processes: an answer, a start, an end; handle it.
@@ -105,25 +132,53 @@ class Supervisor:
         CtrlC
             A process is due to be started again, but the user has asked the run to stop.
         """
-        now_s = time.monotonic()
-        due_s = min(self._due_s.values(), default=None)
-        waits = [s for s in (timeout_s, None if due_s is None else max(0.0, due_s - now_s)) if s is not None]
-        ready = {fd for fd, _ in self._poll.poll(min(waits) * 1e3 if waits else None)}
+        ended, self._ended = self._ended, {}
+        for name in ended:
+            self._follow(name)
+        wait_s = self._wait_s(0.0 if ended else timeout_s)
+        ready = dict(self._poll.poll(None if wait_s is None else wait_s * 1e3))
         if self._listener.fileno() in ready:
             self._accept()
         for name, process in self.processes.items():
-            running = self._running.get(name)
-            if running is not None and process.link is not None and process.link.fileno() in ready:
-                self._read(name, process)
-        for name, running in list(self._running.items()):
-            if running.pid_fd in ready:
-                self._ended(name)
+            if process.link is not None and (events := ready.get(process.link.fileno())):
+                self._serve(name, process, events)
+        self._ended = {name: None for name, running in self._running.items() if running.pid_fd in ready}
+        for name in self._ended:
+            self._note_end(name)
+        self._begin_due()
+
+    def _wait_s(self, timeout_s: float | None) -> float | None:
+        """Return how long to wait at most, None for ever; let the poll look at what can be sent."""
+        for name, process in self.processes.items():
+            if process.link is not None and process.link.is_sending != (name in self._sending):
+                self._sending ^= {name}
+                self._poll.modify(process.link, select.POLLIN | select.POLLOUT * process.link.is_sending)
+        times_s = [*self._due_s.values(), *self._killed_s.values()]
+        waits = [] if timeout_s is None else [timeout_s]
+        if times_s:
+            waits.append(max(0.0, min(times_s) - time.monotonic()))
+        return min(waits, default=None)
+
+    def _begin_due(self) -> None:
+        """Kill and start what is due."""
+        for name in [name for name, due_s in self._killed_s.items() if due_s <= time.monotonic()]:
+            del self._killed_s[name]
+            self._running[name].popen.kill()
         for name in [name for name, due_s in self._due_s.items() if due_s <= time.monotonic()]:
             del self._due_s[name]
             if self.is_asked_to_stop():
                 self.processes[name].give_up("its process is not started again: the run is to stop")
                 raise CtrlC
             self._start(name)
+
+    def watch(self, fd: int) -> None:
+        """Let `wait` also return when a descriptor is readable."""
+        self._poll.register(fd, select.POLLIN)
+
+    def take_lost(self) -> Collection[str]:
+        """Return the stages whose processes have ended since the last call."""
+        lost, self._lost = self._lost, set()
+        return [node.name for name, process in self.processes.items() if name in lost for node in process.nodes]
 
     def interrupt(self) -> None:
         """Break off the steps in progress, and end the processes that do not obey: the user does not wait for them."""
@@ -134,19 +189,23 @@ class Supervisor:
                 process.is_interrupted = True
                 running.popen.send_signal(signal.SIGINT)
             elif not process.is_down and process.link is None:
-                self._end(name, "its process was not ready when the run was stopped")
+                self.end(name, "it was not ready when the run was stopped")
         end_s = time.monotonic() + _INTERRUPT_S
         busy = [name for name, process in self.processes.items() if process.is_busy]
         while busy and (left_s := end_s - time.monotonic()) > 0:
             self.wait(left_s)
             busy = [name for name in busy if self.processes[name].is_busy]
         for name in busy:
-            self._end(name, "its process did not end its step when the run was stopped")
+            self.end(name, "it did not end its step when the run was stopped")
 
     def report(self) -> dict[str, Any]:
         """Return what became of the processes, for the summary."""
         return {
-            name: {"stages": [node.name for node in process.nodes], "ended": self.ends[name]}
+            name: {
+                "stages": [node.name for node in process.nodes],
+                "restarts": process.restarts,
+                "ended": self.ends[name],
+            }
             for name, process in self.processes.items()
         }
 
@@ -174,13 +233,12 @@ class Supervisor:
         nodes = [node for node in graph.nodes if node.name in part.stages]
         families = {f"{CODE}{node.use.partition('.')[0]}" for node in nodes}
         setup = {
+            **self._setup,
             "graph": part_yaml(graph, part.stages),
-            "path": str(graph.path),
-            "read": sorted(graph.read),
-            "plugins": [str(path) for path in graph.plugins],
             "versions": {name: v for name, v in versions.items() if not name.startswith(CODE) or name in families},
         }
-        return StageProcess(part, nodes, setup, self._journal if part.restart != "never" else None)
+        journal = self._journal if part.restart != "never" else None
+        return StageProcess(part, nodes, setup, journal, is_live=self._is_live)
 
     def _start(self, name: str) -> None:
         try:
@@ -190,6 +248,7 @@ class Supervisor:
 
     def _started(self, name: str) -> None:
         self._epochs[name] += 1
+        self.processes[name].restarts = self._epochs[name] - 1
         mark = f"{self._run}/{name}/{self._epochs[name]}"
         marks = " ".join(filter(None, (os.environ.get(VARIABLE), mark)))
         command = [sys.executable, "-u", "-P", "-m", child.__name__, self._listener.getsockname(), str(os.getpid())]
@@ -219,27 +278,38 @@ class Supervisor:
                 try:
                     self.processes[name].connected(link)
                 except GraphnavError as error:
-                    self._end(name, f"its process '{name}' cannot be started again: {error}")
+                    self.end(name, f"cannot be started again: {error}")
                 return
         link.close()
 
-    def _read(self, name: str, process: StageProcess) -> None:
+    def _serve(self, name: str, process: StageProcess, events: int) -> None:
+        """Send a process more of what it was asked, and read what it answers."""
+        assert process.link is not None, "it is polled"
         try:
-            process.read()
+            if events & select.POLLOUT:
+                process.link.send_more()
+            if events & ~select.POLLOUT:
+                process.read()
         except (EOFError, OSError):
-            self._unregister(process)
-            if not self._running[name].has_ended_within(_END_S):  # only its side of the connection has
-                self._running[name].popen.kill()
+            self._disconnect(process)
+            self._killed_s[name] = time.monotonic() + _END_S  # if only its side of the connection has ended
         except ValueError as error:
-            self._end(name, f"its process '{name}' failed: {error}")
+            self.end(name, f"failed: {error}")
         except GraphnavError as error:
-            self._end(name, f"its process '{name}' cannot go on: {error}")
+            self.end(name, f"cannot go on: {error}")
+        if self._is_live and process.is_free and (lost_s := self._lost_s.pop(name, None)) is not None:
+            self._notice(f"process '{name}' is back after {time.monotonic() - lost_s:.1f} s")
 
-    def _ended(self, name: str) -> None:
+    def _note_end(self, name: str) -> None:
+        """Take what a process said before it ended."""
+        process = self.processes[name]
+        while process.link is not None and process.has_answered():
+            self._serve(name, process, select.POLLIN)
+        self._disconnect(process)
+
+    def _follow(self, name: str) -> None:
         """Start a process again that has ended, as the graph says."""
         process = self.processes[name]
-        if process.has_answered():  # what it said before it ended
-            self._read(name, process)
         if name not in self._running:
             return
         status = self._reap(name)
@@ -255,7 +325,8 @@ class Supervisor:
         if not restarts.may_follow(status):
             policy = "on_failure" if status else "always"
             words = f"stages: [{', '.join(part.stages)}], restart: {policy}"
-            hint = f"write deploy: {{{name}: {{{words}}}}} to have it started again and fed what it was given"
+            fed = "" if self._is_live else " and fed what it was given"
+            hint = f"write deploy: {{{name}: {{{words}}}}} to have it started again{fed}"
             process.give_up(f"its process '{name}' {how}", hint)
             return
         if self._journal is not None and self._journal.fault:
@@ -272,20 +343,19 @@ class Supervisor:
             f"process '{name}' {how}: it is started again in {delay_s:g} s ({restarts.count} of {part.max_restarts})"
         )
 
-    def _end(self, name: str, why: str) -> None:
-        """End a process for good."""
+    def end(self, name: str, why: str) -> None:
+        """End a process for good; ``why``: what it did, after its name."""
         self._due_s.pop(name, None)
         if name in self._running:
             self._running[name].popen.kill()
             self._reap(name)
-        self.processes[name].give_up(why)
+        self.processes[name].give_up(f"its process '{name}' {why.removeprefix('it ')}")
 
     def _reap(self, name: str, *, scans: bool = True) -> int:
         """Collect a process, which is killed if it runs, and end what it has started; return its exit status."""
         running = self._running.pop(name)
-        process = self.processes[name]
-        self._unregister(process)
-        process.disconnected()
+        self._disconnect(self.processes[name])
+        self._killed_s.pop(name, None)
         with suppress(OSError):
             os.killpg(running.popen.pid, signal.SIGKILL)
         status = running.popen.wait()
@@ -297,10 +367,13 @@ class Supervisor:
         running.output.close()
         return status
 
-    def _unregister(self, process: StageProcess) -> None:
+    def _disconnect(self, process: StageProcess) -> None:
         if process.link is not None:
-            with suppress(KeyError):
-                self._poll.unregister(process.link)
+            self._poll.unregister(process.link)
+            self._sending.discard(process.part.name)
+            self._lost.add(process.part.name)
+            self._lost_s[process.part.name] = time.monotonic()
+        process.disconnected()
 
 
 def _versions(graph: Graph) -> dict[str, str]:

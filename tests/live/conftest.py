@@ -6,6 +6,8 @@ import textwrap
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ from graphnav.core.messages import Message
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.recording.summary import Summary
 from graphnav.live.run import run_live
+from graphnav.processes.run import run_live_processes
 from graphnav.replay.comparison.result import ReplayResult
 from graphnav.replay.log.log_graph import graph_to_replay
 from graphnav.replay.replay import ReplayOptions, replay
@@ -121,7 +124,8 @@ class Live:
 
     def _run(self, graph: Graph, url: str, options: dict[str, Any]) -> None:
         try:
-            self._summary = run_live(
+            run = partial(run_live_processes, run_live) if graph.deploy else run_live
+            self._summary = run(
                 graph,
                 graph.make_stages(),
                 self.folder,
@@ -135,28 +139,39 @@ class Live:
 
 
 @pytest.fixture
-def load(tmp_path: Path) -> Callable[[str], Graph]:
+def plugins() -> Sequence[Path]:
+    """Return further files of stages."""
+    return ()
+
+
+@pytest.fixture
+def load(tmp_path: Path, plugins: Sequence[Path]) -> Callable[[str], Graph]:
     """Return a function that loads a graph from its text."""
 
     def load_text(text: str) -> Graph:
         path = tmp_path / "graph.yaml"
         path.write_text(textwrap.dedent(text))
         catalog = Catalog()
-        catalog.add_file(STAGES)
+        catalog.add_files([STAGES, *plugins])
         return load_graph(path, catalog)
 
     return load_text
 
 
 @pytest.fixture
-def live(tmp_path: Path, group: str, load: Callable[[str], Graph]) -> Iterator[Callable[..., Live]]:
+def live(
+    tmp_path: Path, group: str, load: Callable[[str], Graph], plugins: Sequence[Path]
+) -> Iterator[Callable[..., Live]]:
     """Return a function that begins a live run of a graph's text."""
     runs: list[Live] = []
 
-    def begin(text: str, name: str = "run", url: str = group, **options: Any) -> Live:
+    def begin(text: str, name: str = "run", url: str = group, *, processes: bool = False, **options: Any) -> Live:
         folder = tmp_path / name
         folder.mkdir()
-        runs.append(Live(load(text), folder, url, **options))
+        graph = load(text).with_processes() if processes else load(text)
+        if graph.deploy:
+            graph = replace(graph, plugins=(STAGES, *plugins))
+        runs.append(Live(graph, folder, url, **options))
         return runs[-1]
 
     yield begin

@@ -19,6 +19,7 @@ from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Summary, run_recorded
 from graphnav.processes.run import run_processes
 from graphnav.processes.supervisor import Supervisor
+from tests.live.conftest import live, load, outside  # noqa: F401 - fixtures
 
 STAGES = Path(__file__).parent / "stages.py"
 LATE_ANSWERS = Path(__file__).parent / "late_answers.py"

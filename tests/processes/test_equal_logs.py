@@ -11,7 +11,6 @@ import pytest
 
 import graphnav
 from graphnav.core.catalog import Catalog
-from graphnav.core.errors import UserError
 from graphnav.core.graph import load_graph
 from graphnav.core.run_folder import RunFolder
 from tests.processes.conftest import LATE_ANSWERS, STAGES, STEPS, Runs, steps_graph
@@ -45,11 +44,6 @@ def test_from_python_every_stage_gets_a_process(tmp_path: Path) -> None:
     in_one, in_many = (graphnav.run(path, processes=processes, **options) for processes in (False, True))
     assert (in_many.folder / RunFolder.LOG).read_bytes() == (in_one.folder / RunFolder.LOG).read_bytes()
     assert len(in_many.summary.processes or ()) == 9
-
-
-def test_a_live_run_has_one_process() -> None:
-    with pytest.raises(UserError, match="processes has no effect on a live run"):
-        graphnav.run("navigate_live", processes=True, until_s=0.1)
 
 
 def test_stages_that_do_not_wait_for_each_other_step_side_by_side(runs: Runs, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +22,7 @@ MAX_PACE = 1e6
 """The maximum of the pace, which no machine could keep; the inverse is the minimum, at which a tick takes a day."""
 
 
-def runs_live(
-    graph: Graph, *, live: bool, pace: float | None, url: str | None, processes: bool, option: str = ""
-) -> bool:
+def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, option: str = "") -> bool:
     """Return whether a run is live.
 
     ``option``: prefix of option names in errors: ``--`` on the command line.
@@ -40,18 +39,17 @@ def runs_live(
     if is_live and pace is not None:
         what = f"{option}pace has no effect on a live run, which runs in wall time"
         raise UserError.of(what, f"remove {option}pace")
-    if is_live and processes:
-        what = f"{option}processes has no effect on a live run, whose stages live in one process"
-        raise UserError.of(what, f"remove {option}processes")
     if not is_live and url is not None:
         what = f"{option}url is for live runs, but this graph runs in lockstep"
         raise UserError.of(what, f"add {option}live{'' if option else '=True'}, or remove {option}url")
     return is_live
 
 
-def _run_live(*given: Any, **options: Any) -> Summary:
-    summary: Summary = in_room("live.run").run_live(*given, **options)
-    return summary
+def _run_live(graph: Graph, *given: Any, **options: Any) -> Summary:
+    run: Callable[..., Summary] = in_room("live.run").run_live
+    if graph.deploy:
+        run = partial(in_room("processes.run").run_live_processes, run)
+    return run(graph, *given, **options)
 
 
 def execute(
@@ -71,7 +69,7 @@ def execute(
     full: FullLog | None = None,
     changes: Changes | None = None,
 ) -> Summary:
-    """Run a graph into an existing, empty folder; see `run_recorded`, and ``run_processes`` and ``run_live`` of rooms.
+    """Run a graph into an existing, empty folder; see `run_recorded`, and ``run_live`` and ``run_processes`` of rooms.
 
     ``on_time`` gets seconds: the simulated time of the next tick; in a live run the time since the start, now and then.
     ``full`` gets every message of a lockstep run. ``changes`` the stages while it lasts.
@@ -85,8 +83,6 @@ def execute(
         "changes": changes,
     }
     if is_live:
-        if graph.deploy:
-            notice("'deploy' is not used live: all stages live in one process")
         return _run_live(graph, stages, folder, url=url, on_time=on_time, **options)
     run: Callable[..., Summary] = in_room("processes.run").run_processes if graph.deploy else run_recorded
     options |= {"pace_ratio": pace, "on_tick": lambda utime: on_time(utime / 1e6), "full": full}

@@ -114,9 +114,10 @@ class Shared:
     PROCESSES = flag(
         "processes",
         "--processes",
-        "give each stage that the graph's 'deploy' does not name a process of its own; the log stays the same",
-        doc="Give each stage that the graph's ``deploy`` does not name a process of its own, in lockstep; the log "
-        "stays the same.",
+        "give each stage that the graph's 'deploy' does not name a process of its own; in lockstep the log stays the "
+        "same, live steps overlap",
+        doc="Give each stage that the graph's ``deploy`` does not name a process of its own. In lockstep the log stays "
+        "the same; live, steps overlap.",
     )
     LIVE_URL = Parameter(
         "url",

@@ -97,7 +97,7 @@ class _Mode:
 
 def _run(graph: Graph, catalog: Catalog, folder: PathLike | None, mode: _Mode, *, draws: bool) -> Run:
     """Run a graph into a folder and draw it; raise KeyboardInterrupt where Ctrl-C ended a lockstep run."""
-    is_live = runs_live(graph, live=mode.live, pace=mode.pace, url=mode.url, processes=mode.processes)
+    is_live = runs_live(graph, live=mode.live, pace=mode.pace, url=mode.url)
     graph = graph.with_processes() if mode.processes else graph
     if is_live:
         live_url(graph, mode.url, "url")

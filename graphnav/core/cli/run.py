@@ -67,8 +67,7 @@ def main(args: CommandArguments) -> int:
     from graphnav.core.tap import open_tap
 
     catalog, graph = args.load_graph(runs=True)
-    mode = {"live": args.live, "pace": args.pace, "url": args.url, "processes": args.processes}
-    is_live = runs_live(graph, **mode, option="--")
+    is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
     graph = graph.with_processes() if args.processes else graph
     live_notice = _live_notice(args, graph) if is_live else ""
     stages, run_id = graph.make_stages(), new_run_id()

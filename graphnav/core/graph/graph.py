@@ -41,7 +41,7 @@ class Graph:
     """How many messages a plain input holds live, by ``stage.port``: each complete set of them fires, in order. None
     is as many as memory allows. Without an entry the newest complete set fires and older ones are overtaken."""
     deploy: Mapping[str, Part] = field(default_factory=dict)
-    """The processes of a lockstep run, by name; stages that none of them names live in that of the command."""
+    """The processes of a run, by name; stages that none of them names live in that of the command."""
     plugins: tuple[Path, ...] = ()
     """One-file plugins that it needs, absolute: those that the graph names, and those of ``--plugin``."""
     written_plugins: tuple[str, ...] = ()

@@ -19,7 +19,7 @@ from .recording.running_file import RunningFile, RunningRun
 from .recording.saved_graph import remember_copies
 from .recording.stall import StallLimit
 from .recording.summary import Summary
-from .remote_unit import Done, Encoded, RemoteStage, RemoteUnit
+from .remote_unit import Done, Encoded, LiveStep, RemoteProcesses, RemoteStage, RemoteUnit
 from .stage_calls import StageCalls
 from .status import Rates, memory_mb
 from .timer import Timer
@@ -38,6 +38,7 @@ __all__ = [
     "Failures",
     "LiveInbox",
     "LiveSink",
+    "LiveStep",
     "LocalUnit",
     "Lockstep",
     "LockstepEngine",
@@ -48,6 +49,7 @@ __all__ = [
     "ProgressFile",
     "Rates",
     "RecordedRun",
+    "RemoteProcesses",
     "RemoteStage",
     "RemoteUnit",
     "Request",

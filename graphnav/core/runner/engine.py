@@ -18,10 +18,12 @@ from graphnav.core.runner.stage_calls import StageCalls
 from graphnav.core.runner.unit import I, LocalUnit, Publish, Unit
 from graphnav.core.stage import Port, Stage
 
+Readers = dict[str, list[tuple[Unit[I], Port]]]
 Arrived = Callable[[I, Port, int, int, Any], None]
 Fire = Callable[[Unit[Any], int, dict[str, Any], float], str | None]
 Encode = Callable[[Channel, int, int, Message], bytes]
 Decode = Callable[[Channel, bytes], tuple[int, int, Message]]
+Published = Callable[[Channel, int, int, Message | Encoded, bytes], None]
 
 
 class Outcome(StrEnum):
@@ -90,8 +92,8 @@ class Engine(Generic[I]):
     stamp, number, message. ``is_wired``: whether stages hear what others publish; else only what the schedule delivers.
     ``played``: channels on which nothing is published, because a log gives their messages. ``commands``: channels whose
     last message `give_stops` takes back. ``published``: gets every message before anything else does: channel, stamp,
-    number, message, bytes. ``begin_us``: the clock at the start, 0 in simulated time. ``spans`` measures the work,
-    ``calls`` notes the calls into stages.
+    number, message (`Encoded` from another process), bytes. ``begin_us``: the clock at the start, 0 in simulated time.
+    ``spans`` measures the work, ``calls`` notes the calls into stages.
     """
 
     def __init__(
@@ -105,7 +107,7 @@ class Engine(Generic[I]):
         is_wired: bool = True,
         played: Collection[str] = (),
         commands: Iterable[Channel] = (),
-        published: Callable[[Channel, int, int, Message, bytes], None] | None = None,
+        published: Published | None = None,
         begin_us: int = 0,
         spans: Spans | None = None,
         calls: StageCalls | None = None,
@@ -139,21 +141,22 @@ class Engine(Generic[I]):
         """The stamp of the last message on each of these channels."""
         self._stamp, self._numbers = begin_us, dict[str, int]()
         self._plain, self._is_read = set[str](), set[str]()
-        self.readers: dict[str, list[tuple[Unit[I], Port]]] = {}
-        """The stages that read a channel, and their ports, by the channel's name; those of other processes apart."""
-        self._remote_readers: dict[str, list[tuple[Unit[I], Port]]] = {}
+        self.readers: Readers[I] = {}
+        """The stages that read a channel, and their ports, by the channel's name."""
+        self._local_readers, self._remote_readers = Readers[I](), Readers[I]()
         self._connect()
 
     def _connect(self) -> None:
         """Find the readers of every channel, unless nothing is wired, and subscribe to it once."""
         channels: dict[str, Channel] = {}
-        self.readers, self._remote_readers = {}, {}
+        self.readers, self._local_readers, self._remote_readers = {}, {}, {}
         for unit in self.units.values() if self._is_wired else ():
             for link in unit.node.inputs:
                 if link.channel is not None:
                     channels[link.channel.name] = link.channel
-                    readers = self._remote_readers if isinstance(unit, RemoteUnit) else self.readers
-                    readers.setdefault(link.channel.name, []).append((unit, link.port))
+                    apart = self._remote_readers if isinstance(unit, RemoteUnit) else self._local_readers
+                    for readers in (self.readers, apart):
+                        readers.setdefault(link.channel.name, []).append((unit, link.port))
                     if link.port.is_plain:
                         self._plain.add(link.channel.name)
         for name, channel in channels.items():
@@ -174,6 +177,12 @@ class Engine(Generic[I]):
             failed += [] if error is None else [error]
         self._connect()
         return failed
+
+    def begin_at(self, begin_us: int) -> None:
+        """Let the clock start at another time."""
+        self.utime = self.begin_us = begin_us
+        for unit in self.units.values():
+            unit.start_utime = begin_us
 
     def reset(self, seed: int) -> None:
         """Reset the state of every stage from the run's ``seed``, and the clock to the start.
@@ -212,8 +221,16 @@ class Engine(Generic[I]):
 
     def number(self, channel: str) -> int:
         """Return the number of the next message of a channel, from 0."""
-        number = self._numbers[channel] = self._numbers.get(channel, -1) + 1
+        number = self._numbers[channel] = self.next_number(channel)
         return number
+
+    def next_number(self, channel: str) -> int:
+        """Return the number that the next message of a channel will have."""
+        return self._numbers.get(channel, -1) + 1
+
+    def set_next_number(self, channel: str, number: int) -> None:
+        """Let the next message of a channel have this number."""
+        self._numbers[channel] = number - 1
 
     def play(self, channel: str, utime: int, data: bytes, sinks: Sequence[Sink]) -> None:
         """Give a message of another origin to ``sinks``, and to the stages that read its channel."""
@@ -240,10 +257,16 @@ class Engine(Generic[I]):
         self._commanded_us.clear()
 
     def deliver(self, channel: str, utime: int, number: int, message: Message) -> None:
-        """Give a message to every stage that reads its channel."""
-        for place, (unit, port) in enumerate(self.readers.get(channel, ())):
+        """Give a message to every stage of this process that reads its channel."""
+        for place, (unit, port) in enumerate(self._local_readers.get(channel, ())):
             # a stage that changes what it was given changes nothing for others
             self._arrived(unit.inbox, port, utime, number, message.twin() if place else message)
+
+    def deliver_bytes(self, channel: str, utime: int, number: int, data: bytes) -> None:
+        """Give a message to every stage of another process that reads its channel."""
+        encoded = Encoded(data)
+        for unit, port in self._remote_readers.get(channel, ()):
+            self._arrived(unit.inbox, port, utime, number, encoded)
 
     def _fire(self, unit: Unit[I], stamp: int, inputs: dict[str, Any], age_s: float) -> str | None:
         self._stamp = stamp
@@ -282,6 +305,8 @@ class Engine(Generic[I]):
     def _deliver_encoded(self, channel: Channel, firing: int, utime: int, data: bytes) -> None:
         """Give a message that a stage of another process published to its readers."""
         self._check_stamp(channel.name, firing, utime)
+        if self._published is not None:
+            self._published(channel, utime, self.next_number(channel.name), Encoded(data), data)
         self.play(channel.name, utime, data, ())
 
     def _record(self, channel: Channel, utime: int, data: bytes) -> None:
@@ -292,11 +317,9 @@ class Engine(Generic[I]):
 
     def _receive(self, channel: Channel, name: str, data: bytes) -> None:
         if name in self._remote_readers:
-            codec, encoded = codec_of(channel.message.lcm_class), Encoded(data)
-            utime, number = codec.peek(data, "utime") or 0, codec.peek(data, "seq") or 0
-            for unit, port in self._remote_readers[name]:
-                self._arrived(unit.inbox, port, utime, number, encoded)
-        if name in self.readers:
+            codec = codec_of(channel.message.lcm_class)
+            self.deliver_bytes(name, codec.peek(data, "utime") or 0, codec.peek(data, "seq") or 0, data)
+        if name in self._local_readers:
             utime, number, message = self._decode(channel, data)
             self.deliver(name, utime, number, message)
 

@@ -9,8 +9,7 @@ from typing import Any
 
 from graphnav.core.errors import StageError
 from graphnav.core.graph import Channel, Graph, Node
-from graphnav.core.messages import Message
-from graphnav.core.runner.engine import Engine, Outcome, Sink, Spans
+from graphnav.core.runner.engine import Engine, Outcome, Published, Sink, Spans
 from graphnav.core.runner.lockstep_inbox import LockstepInbox
 from graphnav.core.runner.remote_unit import RemoteStage, RemoteUnit
 from graphnav.core.runner.stage_calls import StageCalls
@@ -30,7 +29,7 @@ class LockstepEngine(Engine[LockstepInbox]):
         is_wired: bool = True,
         played: Collection[str] = (),
         commands: Iterable[Channel] = (),
-        published: Callable[[Channel, int, int, Message, bytes], None] | None = None,
+        published: Published | None = None,
         spans: Spans | None = None,
         calls: StageCalls | None = None,
     ) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, NamedTuple, Protocol
 
@@ -40,20 +40,47 @@ class Done(NamedTuple):
     """None if the step itself failed."""
     due: int | GraphnavError | None = None
     """Of a source: when its next firing is due, microseconds, or why that is not known."""
+    skipped: int = 0
+    """Of a source, live: firings skipped since the first one, because they were late by more than a period."""
+
+
+class LiveStep(NamedTuple):
+    """What a step of a live run has beside its stamp and its inputs."""
+
+    age_s: float
+    """Of its plain inputs."""
+    numbers: tuple[int, ...]
+    """Of the next message of each output."""
+    run_s: float | None = None
+    """Of a source: the time since its first firing was due."""
 
 
 class RemoteStage(Protocol):
     """A stage of another process, as this one calls it."""
 
+    patience_s: float
+    """How long a live firing waits for `Since` inputs, known when it is reset."""
+
     @property
     def is_done(self) -> bool:
         """Whether what became of the step that was begun has arrived."""
 
-    def reset(self, run_seed: int) -> None:
-        """Wait until the stage is reset; raises StageError if it cannot be."""
+    @property
+    def is_free(self) -> bool:
+        """Whether its process is there, has been reset and has nothing to do, so that a step would begin at once."""
 
-    def begin(self, utime: int, inputs: Mapping[str, Any]) -> None:
-        """Begin a step; messages among the inputs are `Encoded`."""
+    @property
+    def restarts(self) -> int:
+        """How often its process was started again."""
+
+    def failure(self, at_s: float) -> StageError | None:
+        """Return why its process is gone for good, None if it is not."""
+
+    def reset(self) -> None:
+        """Wait until the stage is reset, as was ordered for all; raises StageError if it cannot be."""
+
+    def begin(self, utime: int, inputs: Mapping[str, Any], live: LiveStep | None) -> None:
+        """Begin a step; messages among the inputs are `Encoded`. ``live``: None in lockstep."""
 
     def done(self) -> Done:
         """Wait for the end of the step that was begun."""
@@ -63,6 +90,28 @@ class RemoteStage(Protocol):
 
     def close(self, at_s: float) -> None:
         """Close the stage, if its process is still there; raises StageError."""
+
+
+class RemoteProcesses(Protocol):
+    """The processes of the stages of a live run."""
+
+    def order_reset(self, seed: int, begin_us: int = 0) -> None:
+        """Let all processes begin to reset their stages by the seed of the run, and its clock at the start."""
+
+    def wait(self, timeout_s: float | None = None) -> None:
+        """Wait for something to happen to the processes or to what is watched, and handle it."""
+
+    def watch(self, fd: int) -> None:
+        """Let `wait` also return when a descriptor is readable."""
+
+    def take_lost(self) -> Collection[str]:
+        """Return the stages whose processes have ended since the last call."""
+
+    def interrupt(self) -> None:
+        """Break off the steps in progress, end the processes that do not obey, and start none any more."""
+
+    def report(self) -> dict[str, Any]:
+        """Return what became of the processes, for the summary."""
 
 
 class RemoteUnit(Unit[I]):
@@ -96,18 +145,35 @@ class RemoteUnit(Unit[I]):
         """Whether the step that was begun has ended."""
         return self._remote.is_done
 
-    def begin(self, utime: int, inputs: Mapping[str, Any]) -> None:
+    @property
+    def is_free(self) -> bool:
+        """Whether a step would begin at once."""
+        return self._remote.is_free
+
+    @property
+    def restarts(self) -> int:
+        """How often its process was started again."""
+        return self._remote.restarts
+
+    def raise_if_down(self, utime: int) -> None:
+        """Raise StageError if its process is gone for good."""
+        if (error := self._remote.failure((utime - self.start_utime) / 1e6)) is not None:
+            raise error
+
+    def begin(self, utime: int, inputs: Mapping[str, Any], live: LiveStep | None = None) -> None:
         """Begin a step with ``inputs`` by port."""
         self._begun = utime, inputs
-        self._remote.begin(utime, inputs)
+        self._remote.begin(utime, inputs, live)
 
     def waiting(self) -> AbstractContextManager[None]:
         """Return a context in which other threads see that this one waits for the step that was begun."""
         return self._noted("step", *self._begun)
 
-    def deliver(self) -> None:
-        """Wait for the end of the step, and give what it published to the stages that read it."""
+    def deliver(self, *, is_dropped: bool = False) -> None:
+        """Wait for the end of the step, and give what it published to the stages that read it, unless it is dropped."""
         self._done = self._remote.done()
+        if is_dropped:
+            return
         stamp = self._begun[0]
         for place, (port, utime, data) in enumerate(self._done.outputs):
             try:
@@ -138,11 +204,11 @@ class RemoteUnit(Unit[I]):
             self.deliver()
         return self.commit()
 
-    def reset(self, run_seed: int, seed: int) -> None:  # noqa: ARG002 - the other process derives it as this one does
+    def reset(self, run_seed: int, seed: int) -> None:  # noqa: ARG002 - its process was told, and derives the other
         """Wait until the stage is reset; raises StageError if it cannot be."""
         self._n_fired = 0
         with self._noted("reset", self.start_utime, {}):
-            self._remote.reset(run_seed)
+            self._remote.reset()
 
     def due_us(self, firing: int) -> int:
         """Return when the next firing of a source is due, which came with the end of its step."""
@@ -153,9 +219,13 @@ class RemoteUnit(Unit[I]):
         assert due is not None, "only sources are asked"
         return due
 
+    def next_due(self) -> tuple[float, int]:
+        """Return when a source of a live run is due next, seconds after its first firing, and how many it skipped."""
+        return self.due_us(self._n_fired) / 1e6, self._done.skipped
+
     def patience_s(self) -> float:
-        """Return 0: no message of a stage of another process comes later than its stamp in lockstep."""
-        return 0.0
+        """Return how long a live firing waits for `Since` inputs."""
+        return self._remote.patience_s
 
     def metrics(self) -> dict[str, float] | None:
         """Return the metrics of the stage after a run, None if it reports none or its process is gone."""

@@ -33,6 +33,12 @@ class StageCalls:
         while self._is_held:
             time.sleep(_HELD_S)
 
+    def wait_for(self, call: Call | None) -> None:
+        """Note the call that this thread waits for while it does other things; does not return as `end` does not."""
+        self.current = call
+        while self._is_held:
+            time.sleep(_HELD_S)
+
     def hold(self, call: Call) -> bool:
         """Let ``call`` not return into the run any more; return False if it has done so already.
 

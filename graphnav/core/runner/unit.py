@@ -70,6 +70,11 @@ class Unit(ABC, Generic[I]):
             self.missed += 1
 
     @property
+    def restarts(self) -> int:
+        """How often its process was started again: never, where it is this one."""
+        return 0
+
+    @property
     def last_s(self) -> float:
         """Seconds from the start of the run to the last step."""
         return (self.last_utime - self.start_utime) / 1e6

@@ -117,7 +117,7 @@ class OutputKeys(Record):
 
 
 class PartKeys(Record):
-    """A process in which some stages of a lockstep run live; what goes in and out of it follows from the wires."""
+    """A process in which some stages of a run live; what goes in and out of it follows from the wires."""
 
     noun = "a process"
     named = "the process '{}'"
@@ -133,8 +133,8 @@ class PartKeys(Record):
     restart: Literal["never", "on_failure", "always"] = key(
         "never",
         doc="what follows if the process ends before the run does: on_failure starts it again if it was killed or "
-        "ended with another exit status than 0, always in any case; it is fed its inputs again, so that the log stays "
-        "the same. Otherwise the run fails",
+        "ended with another exit status than 0, always in any case; in lockstep it is fed its inputs again, so that "
+        "the log stays the same, live it begins at the next stamp. Otherwise the run fails",
     )
     max_restarts: int = key(3, ge=1, le=1000, doc="how often it is started again within `restart_window_s`")
     restart_window_s: float = key(60.0, gt=0, le=1e6, doc="the time in which restarts are counted")
@@ -187,7 +187,7 @@ class GraphKeys(Record):
         None, names=_PORTS, doc="channels that leave a live graph, by `stage.port`; lockstep does not use it"
     )
     deploy: Mapping[str, PartKeys] | None = key(
-        None, names=_PARTS, doc="processes and the stages that live in them, in lockstep; without it, one process"
+        None, names=_PARTS, doc="processes and the stages that live in them; without it, one process"
     )
     queues: Mapping[str, QueueKeys] | None = key(
         None, names=_PORTS, doc="by `stage.port`, inputs of stages of which every complete set fires, live"

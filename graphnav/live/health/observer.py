@@ -79,7 +79,6 @@ class Observer:
         return self.receiver.packet_loss().packets if self.receiver is not None else 0
 
     def tell_broken_off(self) -> None:
-        """Report the step in which the run was interrupted, if any."""
-        if self._schedule.step_began is not None:
-            name, began_s = self._schedule.step_began
+        """Report the steps in which the run was interrupted."""
+        for name, began_s in self._schedule.steps.items():
             self.tell(f"interrupted a step of {name} after {self._schedule.clock.now_s() - began_s:.1f} s")

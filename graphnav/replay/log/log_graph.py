@@ -138,10 +138,15 @@ def _with_seed(graph: Graph, about: About | None, overrides: Sequence[Override])
     return replace(graph, run=replace(graph.run, seed=about.seed))
 
 
+_UNLIKE = "plugins", "deploy"
+"""Keys of a graph that are not written alike into the log."""
+
+
 def _differing_section(saved: bytes, about: About | None) -> str:
     """Return the first key of the graph beside a log that is not as in the log, empty if everything is the same.
 
-    Paths are absolute in one, and plugins are copies in the other; those of ``--plugin`` are not in the log.
+    Paths are absolute in one, and plugins are copies in the other; those of ``--plugin`` are not in the log, nor are
+    the processes of the stages.
     """
     if about is None:
         return ""
@@ -149,7 +154,7 @@ def _differing_section(saved: bytes, about: About | None) -> str:
     if not _plugin_names(logged) <= _plugin_names(ours):
         return "plugins"
     keys = dict.fromkeys((*logged, *ours))
-    return next((k for k in keys if k != "plugins" and not _is_same(ours.get(k), logged.get(k))), "")
+    return next((k for k in keys if k not in _UNLIKE and not _is_same(ours.get(k), logged.get(k))), "")
 
 
 def _plugin_names(graph: Mapping[str, Any]) -> set[str]:

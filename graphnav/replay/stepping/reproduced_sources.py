@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from graphnav import Message, Recording, Stage
+from graphnav import Recording, Stage
 from graphnav.core.codec import decode
 from graphnav.core.graph import Channel
 from graphnav.core.runner import LockstepEngine
@@ -89,5 +89,5 @@ class ReproducedSources:
                     unit.inbox.put(i.port, sent, 0, message)
             self._n_heard[name] = n + 1
 
-    def _keep(self, channel: Channel, utime: int, number: int, _message: Message, data: bytes) -> None:
+    def _keep(self, channel: Channel, utime: int, number: int, _message: object, data: bytes) -> None:
         self._made.append(Made(channel, utime, number, data))
