@@ -90,7 +90,7 @@ class ToldTimer(Timer):
     """Whether the process is gone, and no other one was begun with."""
 
     def begin_again(self, now_s: float) -> None:
-        """Begin anew with another process."""
+        """Restart with another process."""
         self.due_s = self._start_s = now_s
         self.is_lost = False
 

@@ -83,7 +83,7 @@ class Link:
 
     @property
     def is_sending(self) -> bool:
-        """Whether a part of what was to be sent is left."""
+        """Whether a part of a frame is not sent yet."""
         return bool(self._unsent)
 
     def fileno(self) -> int:

@@ -9,11 +9,11 @@ import struct
 
 class stage_status_t(object):
 
-    __slots__ = ["name", "use", "steps", "rate_hz", "p50_ms", "p99_ms", "deadline_ms", "missed", "overtaken"]
+    __slots__ = ["name", "use", "steps", "rate_hz", "p50_ms", "p99_ms", "deadline_ms", "missed", "overtaken", "restarts"]
 
-    __typenames__ = ["string", "string", "int64_t", "double", "double", "double", "double", "int64_t", "int64_t"]
+    __typenames__ = ["string", "string", "int64_t", "double", "double", "double", "double", "int64_t", "int64_t", "int64_t"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None]
 
     def __init__(self):
         self.name = ""
@@ -58,6 +58,12 @@ class stage_status_t(object):
         LCM Type: int64_t
         """
 
+        self.restarts = 0
+        """
+        How often its process was started again; 0 where that is the run's own.
+        LCM Type: int64_t
+        """
+
 
     def encode(self):
         buf = BytesIO()
@@ -74,7 +80,7 @@ class stage_status_t(object):
         buf.write(struct.pack('>I', len(__use_encoded)+1))
         buf.write(__use_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">qddddqq", self.steps, self.rate_hz, self.p50_ms, self.p99_ms, self.deadline_ms, self.missed, self.overtaken))
+        buf.write(struct.pack(">qddddqqq", self.steps, self.rate_hz, self.p50_ms, self.p99_ms, self.deadline_ms, self.missed, self.overtaken, self.restarts))
 
     @staticmethod
     def decode(data: bytes):
@@ -93,13 +99,13 @@ class stage_status_t(object):
         self.name = buf.read(__name_len)[:-1].decode('utf-8', 'replace')
         __use_len = struct.unpack('>I', buf.read(4))[0]
         self.use = buf.read(__use_len)[:-1].decode('utf-8', 'replace')
-        self.steps, self.rate_hz, self.p50_ms, self.p99_ms, self.deadline_ms, self.missed, self.overtaken = struct.unpack(">qddddqq", buf.read(56))
+        self.steps, self.rate_hz, self.p50_ms, self.p99_ms, self.deadline_ms, self.missed, self.overtaken, self.restarts = struct.unpack(">qddddqqq", buf.read(64))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if stage_status_t in parents: return 0
-        tmphash = (0xf3ae1f04cb0e132e) & 0xffffffffffffffff
+        tmphash = (0x1d649fac9a41b0b9) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

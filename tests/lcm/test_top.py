@@ -41,6 +41,7 @@ STAGE = {
     "deadline_ms": 80.0,
     "missed": 3,
     "overtaken": 7,
+    "restarts": 0,
 }
 INPUT: dict[str, Any] = {
     "name": "camera.image",
@@ -111,6 +112,16 @@ def test_an_output_that_sent_only_stops_has_no_latency() -> None:
     health.receive(Received("graphnav.status", encode(replace(STATUS, outputs=(output,)), 12_300_000, 12), 10.4))
     (row,) = [line for line in text_of(health).splitlines() if line.startswith("guard.twist")]
     assert row.split() == ["guard.twist", "BASE_CMD", "motor", "240", "3"]
+
+
+def test_the_restarts_of_a_stage_are_told_where_there_are_some() -> None:
+    health = Health(lambda: 10.5)
+    health.receive(Received("graphnav.status", encode(STATUS, 12_300_000, 12), 10.4))
+    assert "restarts" not in text_of(health)
+    again = replace(STATUS, stages=(STAGE | {"restarts": 2},))
+    health.receive(Received("graphnav.status", encode(again, 12_400_000, 13), 10.4))
+    (headings, row) = [line.split() for line in text_of(health).splitlines() if line.startswith(("stage", "flow "))]
+    assert (headings[-1], row[-1]) == ("restarts", "2")
 
 
 def test_a_robot_that_the_guard_holds_tells_what_to_do() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -21,15 +22,17 @@ stages:
 
 
 @pytest.mark.parametrize(
-    ("kind", "said"),
+    ("kind", "said", "options"),
     [
-        ("hang", "step did not return within 1 s of wall time; given twist of 'c.twist'"),
-        ("ctrl_c", "KeyboardInterrupt"),
-        ("exit_0", "SystemExit: 0"),
+        ("hang", "step did not return within 1 s of wall time; given twist of 'c.twist'", ()),
+        ("hang", "step did not return within 1 s of wall time; given twist of 'c.twist'", ("--processes",)),
+        ("ctrl_c", "KeyboardInterrupt", ()),
+        ("exit_0", "SystemExit: 0", ()),
+        ("exit_0", "SystemExit: 0", ("--processes",)),
     ],
 )
 def test_a_live_run_ends_with_the_stage_its_log_and_its_summary(
-    tmp_path: Path, group: str, kind: str, said: str
+    tmp_path: Path, group: str, kind: str, said: str, options: Sequence[str]
 ) -> None:
     (tmp_path / "graph.yaml").write_text(GRAPH % kind)
     command = [
@@ -43,7 +46,7 @@ def test_a_live_run_ends_with_the_stage_its_log_and_its_summary(
         "-o",
         "out",
     ]
-    command += ["--live", "--url", group, "--stall-s", "1"]
+    command += ["--live", "--url", group, "--stall-s", "1", *options]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 1, done.stdout + done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import pytest
 
 from graphnav.core.machine import peer_of
-from graphnav.processes.frames import Frame, Kind, receive, send
+from graphnav.processes.frames import Frame, Kind, Link, receive, send
 
 
 @pytest.fixture
@@ -42,6 +42,37 @@ def test_the_end_of_the_other_side_is_told(links: tuple[socket.socket, socket.so
     links[0].close()
     with pytest.raises(EOFError):
         receive(links[1])
+
+
+def test_a_link_waits_neither_for_a_reader_nor_for_the_rest_of_a_frame(
+    links: tuple[socket.socket, socket.socket],
+) -> None:
+    link, theirs = Link(links[0]), links[1]
+    frame, small = Frame(Kind.FIRE, [1], (bytes(3_000_000), b"x")), Frame(Kind.FIRE, [2], (b"y",))
+    link.send(frame)  # nothing reads
+    link.send(small)
+    assert link.is_sending
+    received: list[Frame] = []
+    reader = threading.Thread(target=lambda: received.extend((receive(theirs), receive(theirs))))
+    reader.start()
+    while link.is_sending:
+        link.send_more()
+    reader.join()
+    assert received == [frame, small]
+
+    sent: list[bytes] = []
+    ours, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+    with ours, other:
+        send(ours, small)
+        sent.append(other.recv(1000))
+    for k, byte in enumerate(sent[0] * 2):
+        assert link.receive() is None
+        theirs.sendall(bytes([byte]))
+        if (k + 1) % len(sent[0]) == 0:
+            assert link.receive() == small
+    theirs.close()
+    with pytest.raises(EOFError):
+        link.receive()
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from graphnav import Odometry, Recording
+from graphnav import Odometry, Recording, Status
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Override
 from graphnav.core.messages import Goal
@@ -58,7 +58,9 @@ class Driven:
     def __init__(self, begin: Callable[..., Live], make: Callable[..., Outside], text: str) -> None:
         self.supervisors: list[Supervisor] = []
         self.outside = make("SPEED")
-        self.run = begin(text, supervised=self.supervisors.append)
+        self.looks: list[float] = []
+        """Times of the run's statuses."""
+        self.run = begin(text, supervised=self.supervisors.append, on_time=self.looks.append)
 
     @property
     def speeds(self) -> list[float]:
@@ -156,12 +158,16 @@ def test_a_stage_that_ends_stops_the_robot_and_comes_back(driven: Callable[[str]
         one.send(name, signal.SIGKILL)
         one.stop()
         one.drive()
+    n_looks = len(one.looks)
+    one.show_until(lambda: len(one.looks) > n_looks)
     summary, log = one.run.stop()
     with log:
         for channel in ("see.twist", "relay.twist", "guard.twist"):
             numbers = [int.from_bytes(event.data[16:24], "big") for event in log.events() if event.channel == channel]
             assert numbers == list(range(len(numbers)))
             assert log.utimes(channel) == sorted(set(log.utimes(channel)))
+        statuses = [status for _, _, status in log.messages("graphnav.status") if isinstance(status, Status)]
+    assert {one["name"]: one["restarts"] for one in statuses[-1].stages} == {"see": 1, "relay": 1, "guard": 0}
     assert {name: (told["restarts"], told["ended"]) for name, told in (summary.processes or {}).items()} == {
         name: (1, ["was killed by SIGKILL"]) for name in ("eyes", "middle")
     }

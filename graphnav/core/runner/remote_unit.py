@@ -45,7 +45,7 @@ class Done(NamedTuple):
 
 
 class LiveStep(NamedTuple):
-    """What a step of a live run has beside its stamp and its inputs."""
+    """Parts of a step of a live run beside its stamp and its inputs."""
 
     age_s: float
     """Of its plain inputs."""

@@ -44,6 +44,7 @@ class Rates:
                 "deadline_ms": unit.node.deadline_ms or 0.0,
                 "missed": unit.missed,
                 "overtaken": unit.inbox.dropped,
+                "restarts": unit.restarts,
             }
             for name, unit in units.items()
         )

@@ -18,7 +18,7 @@ _FORGET_S = 10.0
 """A run that is silent for longer is shown in one line."""
 _INPUT = ("input", "channel", "accepted", "lost", "rate", "age / max", "offset", "fault", "rejected")
 _OUTPUT = ("output", "channel", "", "sent", "refused", "latency p50", "p99", "max", "fault")
-_STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken")
+_STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken", "restarts")
 _STRINGS = {"stage", "uses", "input", "channel", "output", "fault", "rejected"}
 """Columns that shrink if a table is too wide; numbers are never cut."""
 _WIDE_COLS = 100
@@ -79,7 +79,9 @@ def _tables(status: Status, style: str, width_cols: int) -> Iterator[RenderableT
         (_STAGE, [_stage(one) for one in status.stages]),
     ):
         if rows:
-            hidden = _WIDE_ONLY.get(headings, ()) if width_cols < _WIDE_COLS else ()
+            hidden = set(_WIDE_ONLY.get(headings, ()) if width_cols < _WIDE_COLS else ())
+            if not any(one["restarts"] for one in status.stages):
+                hidden.add("restarts")
             yield _table(headings, rows, style, hidden)
         if headings is _INPUT:
             yield from (Text(line, "yellow") for one in status.inputs for line in _details(one))
@@ -99,6 +101,7 @@ def _stage(one: Mapping[str, Any]) -> Sequence[object]:
         deadline,
         _count(one["missed"]),
         _count(one["overtaken"]),
+        _count(one["restarts"]),
     )
 
 

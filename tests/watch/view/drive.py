@@ -85,6 +85,7 @@ def status(k: int) -> Status:
                 "deadline_ms": 0.0,
                 "missed": 0,
                 "overtaken": 0,
+                "restarts": 0,
             }
             for place, name in enumerate(stages)
         ),

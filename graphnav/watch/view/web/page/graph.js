@@ -167,6 +167,7 @@ export class Graph {
     const deadline = stage.deadline_ms ? `, deadline ${format.milliseconds(stage.deadline_ms)}` : "";
     return `${stage.name} (${stage.use}): ${stage.steps} steps, ${format.rate(stage.rate_hz)}, ` +
       `p50 ${format.milliseconds(stage.p50_ms)}, p99 ${format.milliseconds(stage.p99_ms)}${deadline}, ` +
-      `${stage.missed} missed, ${stage.overtaken} overtaken`;
+      `${stage.missed} missed, ${stage.overtaken} overtaken` +
+      (stage.restarts ? `, its process started again ${stage.restarts} times` : "");
   }
 }

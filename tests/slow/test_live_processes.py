@@ -1,0 +1,241 @@
+"""Live drives with a process for each stage: arrivals, processes killed and suspended, latency, replays."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import statistics
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+from testbed.drives import GRAPHNAV
+from testbed.processes import drives_forward, hear
+from testbed.rig import Rig
+
+from graphnav import Recording, State
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import RunningRun
+from graphnav.processes.running_runs import processes_of
+from tests.processes.conftest import is_alive, wait_until
+from tests.targets import Targets
+
+MIN_SHARE = 0.9
+N_SEEDS = 4
+STAGES = tuple(node.name for node in load_graph("navigate_live", Catalog()).nodes)
+POLICY = "restart: on_failure, restart_delay_s: 0.1, max_restarts: 100"
+STOP_S = 0.75
+"""Time until the robot brakes: the guard acts at once or within the age that it allows, the motor process after 0.5 s
+of silence, and the machine may be busy.
+"""
+BACK_S = 2.0
+SUSPENDED_S = 3.0
+STANDS_MPS = 0.01
+WAIT_S = 10.0
+"""Longer than it takes to drive on."""
+OVERTAKEN = "flow.image"
+
+
+class Harm(NamedTuple):
+    """Effect of a process that was killed or suspended: times in seconds, infinite where something never came."""
+
+    stage: str
+    brakes_s: float
+    on_s: float
+    """Until the robot drives on."""
+
+
+class Drive(NamedTuple):
+    """A drive in which every stage was harmed once."""
+
+    outcome: str
+    has_contact: bool
+    harms: Sequence[Harm]
+    back_s: Sequence[float]
+    restarts: int
+    n_left: int
+    """Processes that were left."""
+    n_more: int
+    """Descriptors that the run had more at the end of the drive than when the first process was back."""
+
+
+def _graph(folder: Path) -> Path:
+    """Write the graph whose stages live in processes that are started again."""
+    path = folder / "watched.yaml"
+    folder.mkdir(parents=True, exist_ok=True)
+    parts = ", ".join(f"{name}: {{stages: [{name}], {POLICY}}}" for name in STAGES)
+    path.write_text(f"extends: navigate_live\ndeploy: {{{parts}}}\n")
+    return path
+
+
+def _pids(folder: Path) -> dict[str, int]:
+    """Return the processes of the stages of the run in a folder."""
+    runs = [run for run in RunningRun.all() if run.folder == folder]
+    return {process.name: process.pid for run in runs for process in processes_of(run)}
+
+
+def _n_descriptors(pid: int) -> int:
+    return len(os.listdir(f"/proc/{pid}/fd"))
+
+
+@pytest.fixture
+def sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Return the folder in which runs make those of their sockets."""
+    with tempfile.TemporaryDirectory() as folder:
+        monkeypatch.setenv("TMPDIR", folder)
+        yield Path(folder)
+
+
+def test_a_process_for_each_stage_arrives(targets: Targets, seeds: range, jobs: int, tmp_path: Path) -> None:
+    """Arrivals, overtaken frames and latency, and what a replay of each log differs in."""
+
+    def drive(seed: int) -> tuple[str, dict[str, Any], str]:
+        folder = tmp_path / f"{seed}"
+        with Rig(folder, 1 + seed % 100, seed) as rig:
+            rig.navigate(options=("--processes", "--set", "run.record=replayable"))
+            robot, graph = rig.finish()
+        command = [str(GRAPHNAV), "replay", str(folder / "navigation-0")]
+        replayed = subprocess.run(command, capture_output=True, text=True, check=False)
+        return robot["outcome"], graph["live"], replayed.stdout if replayed.returncode == 0 else replayed.stderr
+
+    with ThreadPoolExecutor(jobs) as pool:
+        drives = list(pool.map(drive, seeds[:N_SEEDS]))
+    goals = sum(outcome == "goal" for outcome, *_ in drives)
+    frames = sum(one["accepted"] for _, live, _ in drives for one in live["inputs"] if one["name"] == "camera.image")
+    overtaken = sum(one["overtaken"] for _, live, _ in drives for one in live["edges"] if one["name"] == OVERTAKEN)
+    p50_ms = statistics.median(live["outputs"][0]["latency_p50_ms"] for _, live, _ in drives)
+    targets.check(
+        f"{goals} of {len(drives)} arrive; {overtaken} of {frames} frames overtaken; median of image to command "
+        f"{p50_ms:.1f} ms",
+        good=goals >= MIN_SHARE * len(drives) and overtaken <= 0.01 * frames,
+    )
+    equal = [said for *_, said in drives if "no differences: " in said]
+    targets.check(f"{len(equal)} of {len(drives)} logs replay without a difference", good=len(equal) == len(drives))
+    for *_, said in drives:
+        if said not in equal:
+            targets.say(said)
+
+
+@pytest.mark.parametrize("kind", ["killed", "suspended"])
+def test_each_process_is_harmed_once(
+    targets: Targets, seeds: range, jobs: int, tmp_path: Path, sockets: Path, kind: str
+) -> None:
+    with ThreadPoolExecutor(jobs) as pool:
+        drives = list(pool.map(lambda seed: _harmed(tmp_path / f"{seed}", seed, kind), seeds[:N_SEEDS]))
+    harms = [harm for drive in drives for harm in drive.harms]
+    n_goals, n_contacts = (
+        sum(column) for column in zip(*((d.outcome == "goal", d.has_contact) for d in drives), strict=True)
+    )
+    n_left, n_more = (sum(column) for column in zip(*((d.n_left, d.n_more) for d in drives), strict=True))
+    n_sockets = len(list(sockets.glob("graphnav-*")))
+    worst = {
+        name: [max(times) for times in zip(*(one[1:] for one in harms if one.stage == name), strict=True)]
+        for name in STAGES
+    }
+    by_stage = "; ".join(f"{name} {brakes_s:.2f}, {on_s:.2f}" for name, (brakes_s, on_s) in worst.items())
+    is_fine = n_goals == len(drives) and not (n_contacts or n_left or n_sockets) and n_more <= 0
+    is_fine &= max(h.brakes_s for h in harms) <= STOP_S
+    text = f"{len(harms)} {kind}: {n_goals} of {len(drives)} arrive, {n_contacts} contacts; left behind: "
+    text += f"{n_left} processes, {n_sockets} sockets, {n_more} descriptors"
+    if kind == "killed":
+        back_s = sorted(s for drive in drives for s in drive.back_s)
+        n_restarts = sum(drive.restarts for drive in drives)
+        text += f"; {n_restarts} started again, back after {statistics.median(back_s):.2f} s, worst {back_s[-1]:.2f}"
+        is_fine &= n_restarts == len(harms) == len(back_s) and back_s[-1] <= BACK_S
+    targets.check(text, good=is_fine)
+    targets.say(f"  worst time until the robot brakes, and until it drives on, s: {by_stage}")
+
+
+def _harmed(folder: Path, seed: int, kind: str) -> Drive:
+    begun: dict[str, float] = {}
+    with Rig(folder, 1 + seed % 100, seed, ("--set", "robot.state_hz=100")) as rig:
+        run = folder / "navigation-0"
+        navigation = rig.navigate(str(_graph(folder)))
+        hear(rig.graph_url, "BASE_CMD", drives_forward)
+        n_descriptors: list[int] = []
+        pids = set(_pids(run).values())
+        for stage in STAGES:
+            pid = _pids(run)[stage]
+            begun[stage] = time.time()
+            if kind == "killed":
+                os.kill(pid, signal.SIGKILL)
+                wait_until(partial(_is_back, run, stage, pid))
+            else:
+                os.kill(pid, signal.SIGSTOP)
+                time.sleep(SUSPENDED_S)
+                os.kill(pid, signal.SIGCONT)
+            hear(rig.graph_url, "BASE_CMD", drives_forward)
+            time.sleep(1.0)
+            pids |= set(_pids(run).values())
+            n_descriptors.append(_n_descriptors(navigation.pid))
+        robot, graph = rig.finish()
+    n_left, n_more = sum(map(is_alive, pids)), n_descriptors[-1] - n_descriptors[0]
+    said = run.with_suffix(".txt").read_text()
+    back_s = [float(s) for s in re.findall(r"is back after ([0-9.]+) s", said)]
+    processes: Mapping[str, Any] = graph["processes"]
+    restarts = sum(told["restarts"] for told in processes.values())
+    states = _states(folder / "robot")
+    has_contact = any(state.contact for _, state in states)
+    lasting_s = SUSPENDED_S if kind == "suspended" else 0.0
+    harms = [_harm(stage, begin_s, states, lasting_s) for stage, begin_s in begun.items()]
+    return Drive(robot["outcome"], has_contact, harms, back_s, restarts, n_left, n_more)
+
+
+def _is_back(run: Path, stage: str, pid: int) -> bool:
+    return _pids(run).get(stage, pid) != pid
+
+
+def _states(robot: Path) -> list[tuple[float, State]]:
+    with Recording(robot / RunFolder.LOG) as log:
+        return [(utime * 1e-6, state) for utime, _, state in log.messages("robot.state") if isinstance(state, State)]
+
+
+def _harm(stage: str, begin_s: float, states: Sequence[tuple[float, State]], lasting_s: float) -> Harm:
+    """Find when the robot began to brake until it stood, and when it drove on."""
+    after = [(s - begin_s, state) for s, state in states if 0.0 <= s - begin_s <= WAIT_S + lasting_s]
+    stands_s = next((s for s, state in after if abs(state.v_mps) < STANDS_MPS), float("inf"))
+    driving = [s for s, state in after if s <= stands_s and state.v_mps >= _speed_before(after) - STANDS_MPS]
+    brakes_s = max(driving, default=0.0) if stands_s < float("inf") else float("inf")
+    on_s = next((s for s, state in after if s > stands_s and state.v_mps > 0.1), float("inf"))
+    return Harm(stage, brakes_s, on_s)
+
+
+def _speed_before(after: Sequence[tuple[float, State]]) -> float:
+    return after[0][1].v_mps if after else 0.0
+
+
+def test_a_stage_that_ends_at_each_start_is_given_up(targets: Targets, tmp_path: Path) -> None:
+    """The robot never moves, and the run says why with status 1."""
+    plugin = tmp_path / "ends.py"
+    plugin.write_text(
+        "import os\nfrom graphnav import Plane, Stage, hookimpl\nFAMILY = 'ends'\n\n\nclass Ends(Stage):\n"
+        "    def reset(self, seed: int) -> None:\n        os._exit(3)\n\n"
+        "    def step(self, plane: Plane) -> Plane:\n        return plane\n\n\n"
+        "@hookimpl\ndef graphnav_stages():\n    return [Ends]\n"
+    )
+    graph = tmp_path / "ends.yaml"
+    part = "ends: {stages: [ends], restart: on_failure, max_restarts: 2, restart_delay_s: 0.1}"
+    graph.write_text(
+        "extends: navigate_live\nplugins: [ends.py]\n"
+        "stages: {ends: {use: ends.ends, in: {plane: plane.plane}}, steer: {in: {plane: ends.plane}}}\n"
+        f"deploy: {{{part}}}\n"
+    )
+    with Rig(tmp_path, 7, 1000, ("--set", "robot.state_hz=100"), 40.0) as rig:
+        navigation = rig.navigate(str(graph))
+        status = navigation.wait(60)
+        rig.robot.send_signal(signal.SIGINT)
+        rig.robot.wait(30)
+    said = (tmp_path / "navigation-0.txt").read_text()
+    moved = max(abs(state.v_mps) for _, state in _states(tmp_path / "robot"))
+    is_told = "its process 'ends' ended with exit status 3, and is given up after 2 restarts in 60 s" in said
+    text = f"ends at each start: exit status {status}, {'told' if is_told else 'not told'}, fastest {moved:.2f} m/s"
+    targets.check(text, good=status == 1 and is_told and moved < STANDS_MPS)
