@@ -170,6 +170,11 @@ class ProcessSchedule(LiveSchedule):
             self.steps.clear()
             self._calls.wait_for(None)
 
+    def is_away(self, stage: str) -> bool:
+        """Whether the process of a stage is being started again."""
+        unit = self.engine.units[stage]
+        return isinstance(unit, RemoteUnit) and not unit.is_there
+
     def _is_free(self, unit: Unit[LiveInbox]) -> bool:
         return unit.is_free if isinstance(unit, RemoteUnit) else True
 

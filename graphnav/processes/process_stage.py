@@ -41,6 +41,11 @@ class ProcessStage:
         return self._process.is_free
 
     @property
+    def is_there(self) -> bool:
+        """Whether its process is there and has been reset."""
+        return self._process.is_there
+
+    @property
     def restarts(self) -> int:
         """How often its process was started again."""
         return self._process.restarts

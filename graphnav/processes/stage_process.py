@@ -75,7 +75,12 @@ class StageProcess:
     @property
     def is_free(self) -> bool:
         """Whether it has been reset and has nothing to answer."""
-        return self.link is not None and self._has_begun and not self.is_busy
+        return self.is_there and not self.is_busy
+
+    @property
+    def is_there(self) -> bool:
+        """Whether it runs and has all that the process before it had."""
+        return self.link is not None and self._has_begun
 
     @property
     def is_down(self) -> bool:

@@ -172,6 +172,7 @@ def test_a_stage_that_ends_stops_the_robot_and_comes_back(driven: Callable[[str]
         name: (1, ["was killed by SIGKILL"]) for name in ("eyes", "middle")
     }
     assert one.run.notices[0] == "process 'eyes' was killed by SIGKILL: it is started again in 0.01 s (1 of 3)"
+    assert any(line.endswith(" on see.image: the process of see was started again") for line in one.run.notices)
     assert [line.partition(" after ")[0] for line in one.run.notices if " is back " in line] == [
         "process 'eyes' is back",
         "process 'middle' is back",

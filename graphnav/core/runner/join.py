@@ -65,8 +65,9 @@ class Join:
 
     @property
     def never_matches(self) -> bool:
-        """Whether each of several ports got as many messages since the last complete set as it holds by default."""
-        return len(self.unmatched) > 1 and min(self.unmatched.values()) >= MAX_UNMATCHED
+        """Whether no set is complete although each of several ports got as many messages as it holds by default."""
+        many = len(self.unmatched) > 1 and min(self.unmatched.values()) >= MAX_UNMATCHED
+        return many and not self.complete()
 
     def put(self, port: str, utime: int, held: Held) -> None:
         """Add a message."""

@@ -70,6 +70,10 @@ class RemoteStage(Protocol):
         """Whether its process is there, has been reset and has nothing to do, so that a step would begin at once."""
 
     @property
+    def is_there(self) -> bool:
+        """Whether its process is there and has been reset."""
+
+    @property
     def restarts(self) -> int:
         """How often its process was started again."""
 
@@ -149,6 +153,11 @@ class RemoteUnit(Unit[I]):
     def is_free(self) -> bool:
         """Whether a step would begin at once."""
         return self._remote.is_free
+
+    @property
+    def is_there(self) -> bool:
+        """Whether its process is there and has been reset."""
+        return self._remote.is_there
 
     @property
     def restarts(self) -> int:

@@ -41,6 +41,8 @@ class Alarms:
         self._told: dict[str, int] = {}
         self._overtaken: Counter[str] = Counter()
         self._busy_s: dict[str, float] = {}
+        self._away = set[str]()
+        self._restarts: dict[str, int] = {}
         self._asked_s = schedule.clock.now_s()
         self._scan: TypeScan | None = None
 
@@ -83,6 +85,8 @@ class Alarms:
     def _late(self, elapsed_s: float) -> Iterator[str]:
         """Yield edges with overtaken messages and the slowest stage, and missed deadlines."""
         units = self._schedule.engine.units
+        were_away, self._away = self._away, {name for name in units if self._schedule.is_away(name)}
+        restarts, self._restarts = self._restarts, {name: unit.restarts for name, unit in units.items()}
         busy_s = {name: unit.durations.total_s for name, unit in units.items()}
         spent_s = {name: total_s - self._busy_s.get(name, 0.0) for name, total_s in busy_s.items()}
         self._busy_s = busy_s
@@ -92,7 +96,10 @@ class Alarms:
             grown, self._overtaken[edge] = count - self._overtaken[edge], count
             if grown < _MIN_OVERTAKEN or self._clocks.is_troubled or not self._is_news(edge, count, 1):
                 continue
-            if (share := spent_s[slowest] / elapsed_s) >= _MIN_BUSY_RATIO:
+            reader = edge.partition(".")[0]
+            if reader in were_away | self._away or self._restarts[reader] > restarts.get(reader, 0):
+                yield f"overtaken: {count} messages on {edge}: the process of {reader} was started again"
+            elif (share := min(1.0, spent_s[slowest] / elapsed_s)) >= _MIN_BUSY_RATIO:
                 yield (
                     f"late: {count} messages overtaken on {edge}; {slowest} took {share:.0%} of the last second, "
                     f"{step_ms:.0f} ms a step"

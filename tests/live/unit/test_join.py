@@ -50,6 +50,16 @@ def test_unmatched_messages_are_bounded_and_the_oldest_goes_first() -> None:
     assert join.complete() == [19]
 
 
+def test_a_join_whose_sets_wait_for_a_busy_stage_matches() -> None:
+    join, apart = Join(["flow", "motion"]), Join(["flow", "motion"])
+    for utime in range(MAX_UNMATCHED):
+        for port, shift in (("flow", 0), ("motion", 1000)):
+            join.put(port, utime, held())
+            apart.put(port, utime + shift, held())
+    assert not join.never_matches
+    assert apart.never_matches
+
+
 def test_in_order_every_complete_set_is_taken() -> None:
     join = Join(["flow"], max_unmatched=None, in_order=True)
     for utime in range(50):
