@@ -38,7 +38,8 @@ deploy:
   {guard}
 """
 FAST = "restart: on_failure, restart_delay_s: 0.01, max_restarts: 3"
-GUARD = "last: {stages: [guard], restart: always, restart_delay_s: 0.01}"
+GUARD = "last: {stages: [guard], restart: always, restart_delay_s: 2}"
+"""Back only after the motors have stopped, which takes half a second."""
 
 
 @pytest.fixture
