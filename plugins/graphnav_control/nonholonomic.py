@@ -42,11 +42,14 @@ class Braking(NamedTuple):
 
     ``ahead_mps2``: deceleration before what ends the way ahead. ``near_mps2``: deceleration before what is nearest to
     the robot in any direction, None to drive past it at any speed. ``reaction_s``: time until braking begins.
+    ``turn_radps``: the turning rate that the base has now, from which it gets to another with ``turn_radps2``.
     """
 
     ahead_mps2: float
     near_mps2: float | None
     reaction_s: float
+    turn_radps: float = 0.0
+    turn_radps2: float = math.inf
 
 
 class Nonholonomic(Stage):
@@ -69,7 +72,8 @@ class Nonholonomic(Stage):
     A strong base could then be fast close to obstacles, where neither the map nor the way around a bend is exact. So
     the robot also drives no faster than it can stop, with all of the declared deceleration, within ``map_error_m`` more
     than its distance to the nearest obstacle in any direction. And where it turns, what ends the way ahead is looked
-    for on its arc, too: where that leads to an obstacle it drives more slowly, in a tighter arc, or turns on the spot.
+    for on its arc, too, which begins with the turning rate that the base has got to by the declared acceleration: where
+    that leads to an obstacle it drives more slowly, in a tighter arc, or turns on the spot.
 
     Without ``limits`` it counts on 0.5 m/s2 after 0.25 s, and only ahead; so it does with a given ``max_decel_mps2``.
     It does not ask for speeds above the declared ones.
@@ -129,6 +133,7 @@ class Nonholonomic(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget the last command."""
         self._last: tuple[int, Twist] | None = None
+        self._turn_radps = 0.0
         self._continuity = Continuity()
         self._delays_s: deque[float] = deque(maxlen=_KEPT_DELAYS)
 
@@ -142,10 +147,12 @@ class Nonholonomic(Stage):
     ) -> Twist:
         """Return the command; low-pass and measured delays restart after a gap of more than 3 periods."""
         if self._continuity.breaks(stamp):
-            self._last = None
+            self._last, self._turn_radps = None, 0.0
             self._delays_s.clear()
         if self._last is not None:
-            self._delays_s.append((stamp - self._last[0]) * 1e-6 + age_s)
+            elapsed_s = (stamp - self._last[0]) * 1e-6
+            self._delays_s.append(elapsed_s + age_s)
+            self._turn_radps = turned_radps(self._turn_radps, self._last[1].omega_radps, limits.value, elapsed_s)
         theta_rad = steering.theta_rad
         speed_ratio, turn_ratio = math.cos(theta_rad), math.sin(theta_rad)
         if not self.reversing:
@@ -182,6 +189,8 @@ class Nonholonomic(Stage):
             _UNDECLARED_DECEL_MPS2 if ahead_mps2 is None else ahead_mps2,
             near_mps2,
             _UNDECLARED_REACTION_S if reaction_s is None else reaction_s,
+            self._turn_radps,
+            math.inf if limits is None else limits.max_turn_accel_radps2,
         )
 
     def _limited(
@@ -233,23 +242,40 @@ def speed_around_mps(
     radius_m: float,
     braking: Braking,
 ) -> float:
-    """Return the highest of ten shares of a speed from which a disc that turns at this rate stops on its arc, m/s.
+    """Return the highest of ten shares of a speed from which a disc that turns stops on its way, m/s.
 
-    In time to come no nearer to obstacles than ``radius_m``, or than it is; 0 if none does. A slower disc drives a
-    tighter arc. What comes after a quarter of a turn is not asked.
+    In time to come no nearer to obstacles than ``radius_m``, or than it is; 0 if none does. It drives on with the
+    turning rate that it has until it has got to the one of ``twist``. A slower disc drives a tighter arc. What comes
+    after a quarter of a turn is not asked.
     """
     speeds_mps = abs(twist.v_mps) * _SHARES
-    if min(abs(twist.v_mps), abs(twist.omega_radps)) < _STILL:
+    more_radps = braking.turn_radps - twist.omega_radps
+    if abs(twist.v_mps) < _STILL or max(abs(more_radps), abs(twist.omega_radps)) < _STILL:
         return twist.v_mps
     stops_m = speeds_mps * braking.reaction_s + speeds_mps**2 / (2 * braking.ahead_mps2)
-    steps_m = map.cell_m / 2 * np.arange(min(math.ceil(2 * stops_m[0] / map.cell_m) + 1, max(map.state.shape)))
-    bends_radpm = twist.omega_radps / speeds_mps[:, None]
-    turned_rad = np.clip(bends_radpm * steps_m, -math.pi / 2, math.pi / 2)
+    step_m = map.cell_m / 2
+    steps_m = step_m * np.arange(min(math.ceil(2 * stops_m[0] / map.cell_m) + 1, max(map.state.shape)))
     sign = math.copysign(1.0, twist.v_mps)
-    near_m = map.obstacle_m_at(sign * np.sin(turned_rad) / bends_radpm, sign * (1.0 - np.cos(turned_rad)) / bends_radpm)
+    times_s = steps_m / speeds_mps[:, None]
+    ends_s = max(abs(more_radps) / braking.turn_radps2, _STILL)
+    slowing_s = np.minimum(times_s, ends_s)
+    turned_rad = twist.omega_radps * times_s + more_radps * (slowing_s - slowing_s**2 / (2 * ends_s))
+    middle_rad = (turned_rad[:, 1:] + turned_rad[:, :-1]) / 2
+    forward_m, left_m = np.zeros_like(turned_rad), np.zeros_like(turned_rad)
+    np.cumsum(sign * step_m * np.cos(middle_rad), axis=1, out=forward_m[:, 1:])
+    np.cumsum(sign * step_m * np.sin(middle_rad), axis=1, out=left_m[:, 1:])
+    near_m = map.obstacle_m_at(forward_m, left_m)
     blocked = near_m < min(radius_m, float(near_m[0, 0]) - TOLERANCE_M)
-    stops = ~(blocked & (steps_m <= stops_m[:, None])).any(axis=1)
+    stops = ~(blocked & (np.abs(turned_rad) <= math.pi / 2) & (steps_m <= stops_m[:, None])).any(axis=1)
     return sign * float(speeds_mps[np.argmax(stops)]) if stops.any() else 0.0
+
+
+def turned_radps(before_radps: float, wanted_radps: float, limits: BaseLimits | None, elapsed_s: float) -> float:
+    """Return the turning rate that a base has got to after a while, rad/s: the wanted one if it declares nothing."""
+    if limits is None:
+        return wanted_radps
+    reach_radps = limits.max_turn_accel_radps2 * elapsed_s
+    return before_radps + min(max(wanted_radps - before_radps, -reach_radps), reach_radps)
 
 
 def kept_m(map: LocalMap, theta_rad: float, way_m: float) -> float:  # noqa: A002  # the port's name

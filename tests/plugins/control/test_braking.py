@@ -146,26 +146,28 @@ def test_where_the_map_shows_no_room_it_drives_as_if_the_map_were_off(draw_map: 
 @given(
     v_mps=st.floats(-1.5, 1.5),
     omega_radps=st.floats(-3.0, 3.0),
+    has_radps=st.floats(-3.0, 3.0),
     post_m=st.tuples(st.floats(-0.9, 0.9), st.floats(-0.9, 0.9)),
 )
-def test_on_its_arc_it_stops_before_it_comes_too_near(
-    draw_map: DrawMap, v_mps: float, omega_radps: float, post_m: tuple[float, float]
+def test_on_its_way_it_stops_before_it_comes_too_near(
+    draw_map: DrawMap, v_mps: float, omega_radps: float, has_radps: float, post_m: tuple[float, float]
 ) -> None:
     map_ = draw_map(lambda x, y: np.hypot(x - post_m[0], y - post_m[1]) < 0.08)
-    braking = Braking(ahead_mps2=2.0, near_mps2=4.0, reaction_s=0.1)
+    braking = Braking(ahead_mps2=2.0, near_mps2=4.0, reaction_s=0.1, turn_radps=has_radps, turn_radps2=12.0)
     driven_mps = speed_around_mps(map_, Twist(v_mps, omega_radps), RADIUS_M, braking)
     assert driven_mps * v_mps >= 0.0
     assert abs(driven_mps) <= abs(v_mps)
-    if min(abs(driven_mps), abs(omega_radps)) < 1e-3:
+    if abs(driven_mps) < 1e-3:
         return
     stop_s = (abs(driven_mps) * 0.1 + driven_mps**2 / 4.0) / abs(driven_mps)
     x_m = y_m = 0.0
     yaw_rad, dt_s = 0.0, stop_s / 500
     here_m = float(map_.obstacle_m_at(np.zeros(1), np.zeros(1))[0])
     while abs(yaw_rad) < math.pi / 2 and stop_s > 0.0:
-        midway_rad = yaw_rad + omega_radps * dt_s / 2
+        midway_rad = yaw_rad + has_radps * dt_s / 2
         x_m, y_m = x_m + driven_mps * dt_s * math.cos(midway_rad), y_m + driven_mps * dt_s * math.sin(midway_rad)
-        yaw_rad, stop_s = yaw_rad + omega_radps * dt_s, stop_s - dt_s
+        yaw_rad, stop_s = yaw_rad + has_radps * dt_s, stop_s - dt_s
+        has_radps += min(max(omega_radps - has_radps, -12.0 * dt_s), 12.0 * dt_s)
         near_m = float(map_.obstacle_m_at(np.array([x_m]), np.array([y_m]))[0])
         # The law looks at steps of half a cell.
         assert near_m >= min(RADIUS_M, here_m) - 0.03
@@ -181,6 +183,34 @@ def test_a_bend_that_would_end_in_a_post_is_driven_more_slowly_and_tighter(draw_
     assert speed_around_mps(draw_map(), fast, RADIUS_M, braking) == 1.2
     straight = Twist(v_mps=1.2, omega_radps=0.0)
     assert speed_around_mps(post, straight, RADIUS_M, braking) == 1.2
+
+
+def test_a_base_that_still_turns_to_the_other_side_is_driven_more_slowly(draw_map: DrawMap) -> None:
+    post = draw_map(lambda x, y: np.hypot(x - 0.4, y - 0.3) < 0.08)
+    right = Twist(v_mps=1.0, omega_radps=-2.0)
+    speeds_mps = [
+        speed_around_mps(post, right, RADIUS_M, Braking(2.0, 4.0, 0.1, has_radps, 6.0))
+        for has_radps in (-2.0, 0.0, 2.0)
+    ]
+    assert speeds_mps[0] == 1.0
+    assert sorted(speeds_mps, reverse=True) == speeds_mps
+    assert speeds_mps[2] < 1.0
+
+
+def test_the_turning_rate_follows_the_commands_as_fast_as_the_base_declares(draw_map: DrawMap) -> None:
+    post = draw_map(lambda x, y: np.hypot(x - 0.4, y - 0.3) < 0.08)
+
+    def driven_mps(accel_radps2: float) -> list[float]:
+        base, stage = replace(BASE, max_turn_accel_radps2=accel_radps2), control(max_turn_radps=2.0)
+        twists = []
+        for k in range(20):  # to the left on the spot, then to the right
+            steering = replace(AHEAD, theta_rad=math.pi / 2 if k < 8 else -0.9)
+            twists.append(stage.step(steering, Latest(post, 0.0), Stamp(PERIOD_US * k), Latest(base)))
+        return [twist.v_mps for twist in twists[8:]]
+
+    slow, quick = driven_mps(6.0), driven_mps(60.0)
+    assert slow[0] < quick[0], "it still turns to the left"
+    assert slow[-1] == quick[-1], "it has come to turn as told"
 
 
 def test_no_command_is_faster_than_the_base() -> None:
