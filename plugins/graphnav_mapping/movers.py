@@ -126,9 +126,9 @@ class Movers:
 
 
 def n_shared(rows: Indices, cols: Indices, there: Bools, reach: int) -> Doubles:
-    """Return how many of the cells are ``there`` (rows, cols) if they are moved back by up to ``reach`` rows and columns.
+    """Return how many of the cells are ``there`` (rows, cols) if they are moved back by up to ``reach`` cells.
 
-    (2 reach + 1, 2 reach + 1): by -reach rows and columns first.
+    (2 reach + 1, 2 reach + 1), by rows and columns: by -reach first.
     """
     top, left = rows.min(), cols.min()
     cells = np.zeros((rows.max() - top + 1, cols.max() - left + 1), np.uint8)
