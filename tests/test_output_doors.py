@@ -20,6 +20,7 @@ DOORS = {
     "graphnav/core/notices.py": "escapes what it prints",
     "graphnav/core/html_templates.py": "escapes what templates show",
     "graphnav/studies/ablation/worker/__main__.py": "prints tracebacks to the streams that escape",
+    "graphnav/processes/change_run.py": "what three commands share: prints to the streams that escape",
     "graphnav/core/runner/recording/stall.py": "gives faulthandler, which escapes, the stream of the process",
     "graphnav/core/machine/threads.py": "runs after the commands, and escapes the names of threads",
     "graphnav/core/cli/status_line.py": "rewrites a line, and escapes what it shows",
