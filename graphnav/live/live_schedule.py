@@ -19,7 +19,6 @@ from graphnav.core.runner import (
     MatchedSet,
     Outcome,
     RemoteStage,
-    RemoteUnit,
     Sink,
     StageCalls,
     Taken,
@@ -135,11 +134,6 @@ class LiveSchedule:
         ]
         sources = [units[node.name] for node in self.graph.sources]
         self._sources = [(self._source_timer(unit, now_s), unit) for unit in sources]
-
-    @property
-    def is_changeable(self) -> bool:
-        """Whether stages can be changed while it runs: all of them live in this process."""
-        return not any(isinstance(unit, RemoteUnit) for unit in self.engine.units.values())
 
     def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
         """Let other stages take over from their next firing on, as `Engine.change` does; ``graph``: with them."""

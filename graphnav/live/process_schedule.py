@@ -192,14 +192,23 @@ class ProcessSchedule(LiveSchedule):
 
     def _take_results(self) -> str | None:
         self._processes.wait(0.0)
+        outcome = self._take_ended()
+        self._raise_if_down()
         now_s = self.clock.now_s()
-        if lost := self._processes.take_lost():
-            self._lose(lost)
-        for remote in self._remote:
-            remote.raise_if_down(self.clock.utime_at(now_s))
         for timer, unit in self._sources:
             if isinstance(timer, ToldTimer) and timer.is_lost and self._is_free(unit):
                 timer.begin_again(now_s)
+        return outcome
+
+    def _raise_if_down(self) -> None:
+        """Raise StageError if a process is gone for good."""
+        for remote in self._remote:
+            remote.raise_if_down(self.clock.now())
+
+    def _take_ended(self) -> str | None:
+        """Drop what was made from processes that have ended, and publish what steps that have ended returned."""
+        if lost := self._processes.take_lost():
+            self._lose(lost)
         outcome = None
         for step in [step for step in self._flying.values() if step.unit.is_done]:
             outcome = self._end(step) or outcome
@@ -266,9 +275,10 @@ class ProcessSchedule(LiveSchedule):
             if self._is_free(unit) and (matched := unit.inbox.ready(math.inf, unit.patience_s)) is not None:
                 self._fire_set(unit, matched, self.clock.now_s())
                 self._await_steps(end_s)
+        self._raise_if_down()
 
     def _await_steps(self, end_s: float) -> None:
         while self._flying and (left_s := end_s - self.clock.now_s()) > 0:
             self._note_oldest()
             self._processes.wait(left_s)
-            self._take_results()
+            self._take_ended()

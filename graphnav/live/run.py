@@ -75,8 +75,8 @@ def run_live(
     ``on_time`` gets the seconds since the start now and then, ``notice`` gets warnings of late and lost messages;
     ``should_stop`` ends the run as Ctrl-C does, for runs outside the main thread. ``stall``: when a call into a stage
     that does not return ends the process, None for never; motor channels get a stop then, as whenever the run dies.
-    ``changes`` its stages while it lasts.
-    ``start_processes``: starts the processes of stages that live in others, None where all live in this one.
+    ``changes`` may change its stages while it lasts. ``start_processes``: starts the processes of stages that live in
+    others, None where all live in this one.
 
     Raises
     ------

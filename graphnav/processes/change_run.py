@@ -35,7 +35,7 @@ def change_run(
     Raises
     ------
     UserError
-        There is no such run, or it refuses the change.
+        No run has this name, or it refuses the change.
     """
     problems: list[Problem] = []
     for text in overrides:

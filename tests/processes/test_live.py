@@ -13,6 +13,7 @@ import pytest
 
 from graphnav import Odometry, Recording, Status
 from graphnav.core.catalog import Catalog
+from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Override
 from graphnav.core.messages import Goal
 from graphnav.core.trust import Trust
@@ -61,7 +62,10 @@ class Driven:
         self.outside = make("SPEED")
         self.looks: list[float] = []
         """Times of the run's statuses."""
-        self.run = begin(text, supervised=self.supervisors.append, on_time=self.looks.append)
+        self.errors: list[GraphnavError] = []
+        self.run = begin(
+            text, supervised=self.supervisors.append, on_time=self.looks.append, on_failure=self.errors.append
+        )
 
     @property
     def speeds(self) -> list[float]:
@@ -227,6 +231,16 @@ def test_without_a_policy_the_run_fails_with_a_stop(driven: Callable[[str], Driv
         "  write deploy: {middle: {stages: [relay], restart: on_failure}} to have it started again"
     )
     wait_until(lambda: one.speeds[-1] == 0.0)
+
+
+def test_a_failure_is_told_once_while_another_step_goes_on(driven: Callable[[str], Driven]) -> None:
+    one = driven(chain("restart: never"))
+    one.send("eyes", signal.SIGSTOP)
+    one.show_until(lambda: any("hangs: see" in line for line in one.run.notices))
+    one.send("middle", signal.SIGKILL)
+    summary, log = one.run.finish()
+    log.close()
+    assert [str(error) for error in one.errors] == [summary.failure]
 
 
 def test_a_stage_that_ends_at_each_start_is_given_up(

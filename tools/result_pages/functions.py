@@ -11,7 +11,7 @@ import numpy as np
 from graphnav.arrays import Doubles
 from graphnav.core.errors import UserError
 from graphnav.studies.ablation.results.comparison import Difference, as_family
-from graphnav.studies.ablation.results.statistics import ALPHA, mean_interval
+from graphnav.studies.ablation.results.statistics import ALPHA, Interval, mean_interval
 from graphnav.studies.ablation.results.study_values import difference as of_worlds
 from result_pages.shipped_results import Cell, NotMeasuredError, ShippedResults
 
@@ -50,14 +50,12 @@ def lowest(results: ShippedResults, graph: str, variant: str, metric: str, *, at
 
 def low(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "", modulo: int = 0) -> float:
     """Return the lower end of the mean's 95 % interval; ``modulo``: see `interval`."""
-    values = _values(results, graph, variant, metric, at, modulo)
-    return mean_interval(values, is_binary=results.is_binary(metric) and not modulo).low
+    return _mean(results, graph, variant, metric, at, modulo)[1].low
 
 
 def high(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "", modulo: int = 0) -> float:
     """Return the upper end of the mean's 95 % interval; ``modulo``: see `interval`."""
-    values = _values(results, graph, variant, metric, at, modulo)
-    return mean_interval(values, is_binary=results.is_binary(metric) and not modulo).high
+    return _mean(results, graph, variant, metric, at, modulo)[1].high
 
 
 def interval(
@@ -76,9 +74,8 @@ def interval(
     ``modulo``: seeds that are equal modulo this were run in one world; the means of the worlds are the samples.
     ``maximum``: of the metric, beyond which no interval reaches.
     """
-    values = _values(results, graph, variant, metric, at, modulo)
-    ends = mean_interval(values, is_binary=results.is_binary(metric) and not modulo)
-    return f"{values.mean():.{digits}f} [{ends.low:.{digits}f}, {min(ends.high, maximum):.{digits}f}]"
+    middle, ends = _mean(results, graph, variant, metric, at, modulo)
+    return f"{middle:.{digits}f} [{ends.low:.{digits}f}, {min(ends.high, maximum):.{digits}f}]"
 
 
 def difference(results: ShippedResults, graph: str, a: str, b: str, metric: str, *, at: str = "") -> float:
@@ -182,16 +179,27 @@ def _nothing_in_common(cell: Cell, other: Cell, metric: str) -> UserError:
     return NotMeasuredError.of(f"{cell} and {other} have no world in common with '{metric}'", "compare others")
 
 
-def _values(results: ShippedResults, graph: str, variant: str, metric: str, at: str, modulo: int = 0) -> Doubles:
+def _values(results: ShippedResults, graph: str, variant: str, metric: str, at: str) -> Doubles:
+    return np.array(list(_by_seed(results, graph, variant, metric, at).values()))
+
+
+def _mean(
+    results: ShippedResults, graph: str, variant: str, metric: str, at: str, modulo: int
+) -> tuple[float, Interval]:
+    """Return the mean and its interval; ``modulo``: see `interval`."""
+    found = _by_seed(results, graph, variant, metric, at)
+    of_world: dict[int, list[float]] = {}
+    for seed, value in found.items():
+        of_world.setdefault(seed % modulo if modulo else seed, []).append(value)
+    values = np.array([np.mean(one) for one in of_world.values()])
+    return float(np.mean(values)), mean_interval(values, is_binary=results.is_binary(metric) and not modulo)
+
+
+def _by_seed(results: ShippedResults, graph: str, variant: str, metric: str, at: str) -> Mapping[int, float]:
     found = results.values(Cell(graph, variant, at), metric)
     if not found:
         raise NotMeasuredError.of(f"no run of '{variant}' on '{graph}' has '{metric}'", "name another metric")
-    if not modulo:
-        return np.array(list(found.values()))
-    of_world: dict[int, list[float]] = {}
-    for seed, value in found.items():
-        of_world.setdefault(seed % modulo, []).append(value)
-    return np.array([np.mean(values) for values in of_world.values()])
+    return found
 
 
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {

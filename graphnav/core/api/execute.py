@@ -72,7 +72,7 @@ def execute(
     """Run a graph into an existing, empty folder; see `run_recorded`, and ``run_live`` and ``run_processes`` of rooms.
 
     ``on_time`` gets seconds: the simulated time of the next tick; in a live run the time since the start, now and then.
-    ``full`` gets every message of a lockstep run. ``changes`` the stages while it lasts.
+    ``full`` gets every message of a lockstep run. ``changes`` may change the stages while it lasts.
     """
     options: dict[str, Any] = {
         "tap": tap,

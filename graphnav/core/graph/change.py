@@ -64,7 +64,7 @@ def restarted_graph(graph: Graph, stage: str) -> GraphChange:
     Raises
     ------
     UserError
-        There is no such stage, or it is a source.
+        No stage has this name, or it is a source.
     """
     names = [node.name for node in graph.nodes]
     if stage not in names:

@@ -164,6 +164,11 @@ class Engine(Generic[I]):
                 self._bus.subscribe(name, partial(self._receive, channel))
         self._is_read.update(channels)
 
+    @property
+    def is_changeable(self) -> bool:
+        """Whether `change` can change every stage: all of them live in this process."""
+        return not any(isinstance(unit, RemoteUnit) for unit in self.units.values())
+
     def change(self, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
         """Let other stages, which are reset, take the place of those of the same names, between two firings.
 

@@ -11,7 +11,7 @@ from graphnav.core.errors import StageError
 from graphnav.core.graph import Channel, Graph, Node
 from graphnav.core.runner.engine import Engine, Outcome, Published, Sink, Spans
 from graphnav.core.runner.lockstep_inbox import LockstepInbox
-from graphnav.core.runner.remote_unit import RemoteStage, RemoteUnit
+from graphnav.core.runner.remote_unit import RemoteStage
 from graphnav.core.runner.stage_calls import StageCalls
 from graphnav.core.runner.unit import Unit
 from graphnav.core.stage import Stage
@@ -96,11 +96,6 @@ class Lockstep:
     def processes(self) -> dict[str, Any] | None:
         """Fate of the processes of its stages, for the summary; None: they live in this one."""
         return None
-
-    @property
-    def is_changeable(self) -> bool:
-        """Whether stages can be changed while it runs: all of them live in this process."""
-        return not any(isinstance(unit, RemoteUnit) for unit in self.engine.units.values())
 
     def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
         """Let other stages take over from the next tick on, as `Engine.change` does; ``graph``: with them."""

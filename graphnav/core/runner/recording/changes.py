@@ -136,10 +136,6 @@ class Running(Protocol):
     graph: Graph
 
     @property
-    def is_changeable(self) -> bool:
-        """Whether stages can be changed while it runs."""
-
-    @property
     def engine(self) -> Engine[Any]:
         """The stages."""
 
@@ -149,10 +145,10 @@ class Running(Protocol):
 
 @dataclass
 class _Pending:
-    """A change whose stages wait to take over."""
+    """A change, and its new stages, which wait to take over."""
 
     change: GraphChange
-    stages: Mapping[str, Stage]
+    stages: dict[str, Stage] = field(default_factory=dict)
     answer: Answer = field(default_factory=Answer)
     is_done: threading.Event = field(default_factory=threading.Event)
     since_s: float = field(default_factory=time.monotonic)
@@ -294,22 +290,30 @@ class Changes:
             running = self._running
             if running is None or self._has_ended:
                 return Answer()
-            if not running.is_changeable:
+            if not running.engine.is_changeable:
                 what = f"run {self._run_id} cannot be changed: its stages live in several processes"
                 raise UserError.of(what, "run it in one process, without deploy and --processes")
             with _giving_way():
-                change = request.change(self.graph, self._began, self._catalog)
-                pending = _Pending(change, {node.name: self._made(change.graph, node) for node in change.nodes})
-            with self._lock:
-                if self._has_ended:
-                    return Answer()
-                self._pending = pending
-            pending.is_done.wait()
-            if pending.answer.at_s is None:
-                for stage in pending.stages.values():
-                    with suppress(Exception):
-                        stage.close()
+                pending = _Pending(request.change(self.graph, self._began, self._catalog))
+            try:
+                with _giving_way():
+                    for node in pending.change.nodes:
+                        pending.stages[node.name] = self._made(pending.change.graph, node)
+                self._wait_for_turn(pending)
+            finally:
+                if pending.answer.at_s is None:
+                    for stage in pending.stages.values():
+                        with suppress(Exception):
+                            stage.close()
             return pending.answer
+
+    def _wait_for_turn(self, pending: _Pending) -> None:
+        """Wait until a change has taken over, or cannot any more."""
+        with self._lock:
+            if self._has_ended:
+                return
+            self._pending = pending
+        pending.is_done.wait()
 
     def _made(self, graph: Graph, node: Node) -> Stage:
         """Return a new stage, reset; raises UserError if it cannot be made."""
