@@ -91,12 +91,11 @@ def test_every_planner_knows_the_robot_of_barn(barn: dict[tuple[str, str], Graph
         assert graph.node("steer").params["robot_radius_m"] == 0.27
 
 
-def test_both_studies_have_the_same_methods_and_every_world_of_the_suite() -> None:
+def test_both_studies_have_the_same_methods_and_the_suites_first_thirteen_worlds() -> None:
     study, barn = load_study("rivals"), load_study("rivals_barn")
     assert [axis.choices for axis in study.axes] == [axis.choices for axis in barn.axes]
-    assert [name.partition("/")[2] for name in study.graphs] == [
-        name.partition("/")[2] for name in load_study("suite").graphs
-    ]
+    worlds = [name.partition("/")[2] for name in load_study("suite").graphs]
+    assert [name.partition("/")[2] for name in study.graphs] == worlds[:13]
 
 
 def settings(study: Study, method: str) -> dict[str, object]:
