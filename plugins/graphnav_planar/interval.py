@@ -6,18 +6,38 @@ from graphnav import Flow, Motion
 
 MAX_ERROR_RATIO = 0.01
 """Tolerance, as a share of the flow's interval: a motion of other frames differs by far more."""
+_MAX_LONGER = 20
+"""Flows in a row that may cover more than the motion, before that is taken for odometry of another rate."""
 
 
-def check_interval(flow: Flow, motion: Motion) -> None:
-    """Check that the motion covers the flow's interval, within 1 %.
+class IntervalCheck:
+    """Tells whether a motion covers the interval of a flow.
 
-    Raises
-    ------
-    ValueError
-        It does not: the difference would look like an obstacle, or hide one.
+    A live flow that could not follow every image covers several motions, of which only the last is at hand: that is
+    not an error, but such a flow has no motion.
     """
-    if abs(motion.interval_us - flow.interval_us) > MAX_ERROR_RATIO * flow.interval_us:
+
+    def __init__(self) -> None:
+        self._n_longer = 0
+
+    def agrees(self, flow: Flow, motion: Motion) -> bool:
+        """Whether the motion covers the flow's interval within 1 %; False if the flow covers more.
+
+        Raises
+        ------
+        ValueError
+            The motion covers more than the flow, or for more than 20 flows in a row less: the difference would look
+            like an obstacle, or hide one.
+        """
+        longer_us = flow.interval_us - motion.interval_us
+        if abs(longer_us) <= MAX_ERROR_RATIO * flow.interval_us:
+            self._n_longer = 0
+            return True
+        self._n_longer += 1
+        if longer_us > 0 and self._n_longer <= _MAX_LONGER:
+            return False
+        why = f", {self._n_longer} times in a row" if longer_us > 0 else ""
         raise ValueError(
-            f"the motion covers {motion.interval_us} us, but the flow {flow.interval_us} us; "
+            f"the motion covers {motion.interval_us} us, but the flow {flow.interval_us} us{why}; "
             "use odometry.motion, which interpolates odometry over the interval of the flow"
         )

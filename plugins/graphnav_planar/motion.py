@@ -10,7 +10,7 @@ from graphnav.arrays import Doubles, Floats
 from graphnav_planar.estimation.egomotion import FREE_NOISE_FACTORS
 from graphnav_planar.estimation.robust import NOISE_PX, weights
 from graphnav_planar.estimation.series import Series
-from graphnav_planar.interval import check_interval
+from graphnav_planar.interval import IntervalCheck
 from graphnav_planar.taught import Taught, check_size, planar, vectors
 from graphnav_planar.terms import driving_terms, free_terms, orders
 
@@ -31,6 +31,9 @@ class Motion(Taught):
     Odometry does not know how a camera pitches, rolls and bounces. A model with principal components (``components`` of
     `planar.teach`) has their flow: their factors are free, and fitted together with the correction. A model of
     components alone, taught without odometry, is for `planar.subspace`.
+
+    A live flow that could not follow every image covers several motions, and only the last is at hand: nothing is
+    published for it.
     """
 
     odometry_error_ratio: float = param(
@@ -41,16 +44,23 @@ class Motion(Taught):
         "0 does not correct it",
     )
 
-    def step(self, flow: Flow, motion: graphnav.Motion) -> Planar:
-        """Return the planar flow of this motion for the grid of ``flow``.
+    def reset(self, seed: int) -> None:
+        """Read the model."""
+        super().reset(seed)
+        self._intervals = IntervalCheck()
+
+    def step(self, flow: Flow, motion: graphnav.Motion) -> Planar | None:
+        """Return the planar flow of this motion for the grid of ``flow``, None if the flow covers more.
 
         Raises
         ------
         ValueError
-            The flow is of another image size than the model, or covers another interval than the motion.
+            The flow is of another image size than the model, or covers less than the motion, or more for more
+            than 20 flows in a row.
         """
         check_size(self._model, flow)
-        check_interval(flow, motion)
+        if not self._intervals.agrees(flow, motion):
+            return None
         if self._series is not None:
             return planar(self._model, self._with_components(self._series, flow, motion), flow.interval_us)
         by_term = np.array([motion.forward_m**v * motion.turn_rad**w for v, w in self._powers])

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from graphnav import Flow, Metric, Motion, ParamError, PlanarModel, Stage, coarsen, param
 from graphnav.arrays import Bools, Doubles, Floats
-from graphnav_planar.interval import check_interval
+from graphnav_planar.interval import IntervalCheck
 from graphnav_planar.normal_equations import NormalEquations
 from graphnav_planar.principal_components import Components, principal_components
 from graphnav_planar.terms import MEAN, Term, driving_terms, factors, names_of_components
@@ -116,15 +116,16 @@ class Teach(Stage):
         self._frames = 0
         self._forward_m = self._turn_rad = np.zeros(2)
         self._model: PlanarModel | None = None
+        self._intervals = IntervalCheck()
 
     def step(self, flow: Flow, motion: Motion | None = None) -> PlanarModel | None:
-        """Add a frame.
+        """Add a frame, but none whose flow covers several motions, as where a live flow could not follow every image.
 
         Raises
         ------
         ValueError
-            A term needs the motion of this frame, which is missing or covers another interval than the flow; or the
-            flow changes its size.
+            A term needs the motion of this frame, which is missing or covers more than the flow, or less for more
+            than 20 flows in a row; or the flow changes its size.
         """
         if motion is None and self._driving:
             wanted = ", ".join(self._driving)
@@ -132,8 +133,8 @@ class Teach(Stage):
                 f"the terms {wanted} need the motion of each frame: wire 'motion', or, without odometry, teach "
                 "terms: [mean] with components: 8"
             )
-        if motion is not None:
-            check_interval(flow, motion)
+        if motion is not None and not self._intervals.agrees(flow, motion):
+            return None
         self._add(coarsen(flow, self.cell_px), motion)
         if self._frames % self.every_frames:
             return None

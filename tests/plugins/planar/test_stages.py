@@ -184,8 +184,10 @@ def test_what_a_shipped_model_was_taught_is_the_flow_of_a_floor(path: Path) -> N
     assert left_px < 0.2 * (4 if "640x480" in path.stem else 1)
 
 
-@pytest.mark.parametrize("motion_us", [50_000, 98_900, 101_100, 200_000])
-def test_a_motion_of_another_interval_is_refused(floor: Floor, model: PlanarModel, save: Save, motion_us: int) -> None:
+@pytest.mark.parametrize("motion_us", [101_100, 200_000])
+def test_a_motion_of_more_than_the_flow_is_refused(
+    floor: Floor, model: PlanarModel, save: Save, motion_us: int
+) -> None:
     stage = Motion(model=save(model))
     stage.reset(0)
     flow = floor.flow(floor.uv_px(0.03, 0.0))

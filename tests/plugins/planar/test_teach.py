@@ -99,6 +99,15 @@ def test_an_unknown_term_is_refused() -> None:
         Teach(terms=("v", "vvw"))  # type: ignore[arg-type]
 
 
+def test_a_flow_of_two_frames_teaches_nothing(floor: Floor) -> None:
+    stage = Teach(every_frames=2)
+    stage.reset(0)
+    flow, motion = floor.flow(floor.uv_px(0.03, 0.0)), floor.motion(0.03, 0.0)
+    assert stage.step(flow, replace(motion, interval_us=50_000)) is None
+    stage.step(flow, motion)
+    assert stage.summary()["frames"] == 1
+
+
 def test_a_motion_of_another_interval_teaches_nothing(floor: Floor) -> None:
     stage = Teach()
     stage.reset(0)
