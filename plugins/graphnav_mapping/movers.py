@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import NamedTuple
 
@@ -18,6 +19,11 @@ _MIN_GAIN_RATIO = 0.1
 """By how much more of its cells a shift must explain than standing still does."""
 _KEPT_US = 3_000_000
 """How long a mover that has left the view is expected to go on."""
+_SURE_US = 90_000
+"""How long an obstacle must be seen to move: a tenth of a second, less what stamps are off."""
+_SAME_M = 0.08
+_SAME_MPS = 0.3
+"""How far a mover of the look before may be from where it was expected, and by how much its velocity may differ."""
 _NEAR = np.ones((3, 3), np.uint8)
 
 
@@ -37,13 +43,22 @@ class Mover(NamedTuple):
     rows_per_s: float
     cols_per_s: float
 
+    def continues(self, expected: Mover, cell_m: float) -> bool:
+        """Whether this is likely to be a mover of the look before, where it is expected by now."""
+        if not len(expected.rows):
+            return False
+        away = math.hypot(self.rows.mean() - expected.rows.mean(), self.cols.mean() - expected.cols.mean())
+        slip = math.hypot(self.rows_per_s - expected.rows_per_s, self.cols_per_s - expected.cols_per_s)
+        return cell_m * away <= _SAME_M and cell_m * slip <= _SAME_MPS
+
 
 class Track(NamedTuple):
-    """A mover as it was at a time, on the grid with this corner."""
+    """A mover as it was at a time, on the grid with this corner; ``since``: when it was seen first."""
 
     utime: int
     mover: Mover
     corner: tuple[int, int]
+    since: int
 
     def now(self, look: Look) -> Mover:
         """Return the mover where it is expected at a look."""
@@ -59,7 +74,9 @@ class Movers:
     """Finds the obstacles that have moved since a moment ago; those that leave the view are expected to go on.
 
     An obstacle moves if a part of its cells was free floor before, away from all obstacles, and a shift explains where
-    it came from: the smallest one with which nearly most of its cells fall on obstacles of before.
+    it came from: the smallest one with which nearly most of its cells fall on obstacles of before. It counts once the
+    looks of a tenth of a second, two at least, have found it with about the same velocity: what single ones take for a
+    mover is mostly none.
 
     Parameters
     ----------
@@ -74,11 +91,17 @@ class Movers:
         self._reach_m, self._cell_m = max_speed_mps, cell_m
         self._looks: deque[Look] = deque()
         self._tracks: list[Track] = []
+        self._found: list[Track] = []
 
     def find(self, look: Look, min_speed_mps: float) -> list[Mover]:
         """Return the obstacles that move at ``min_speed_mps`` at least, those out of view too; looks come in order."""
-        seen = self._seen(look, min_speed_mps)
-        tracks = [Track(look.utime, mover, look.corner) for mover in seen]
+        expected = [(track.now(look), track.since) for track in self._found]
+        self._found = []
+        for mover in self._seen(look, min_speed_mps):
+            since = [since for before, since in expected if mover.continues(before, self._cell_m)]
+            self._found.append(Track(look.utime, mover, look.corner, min(since, default=look.utime)))
+        tracks = [track for track in self._found if look.utime - track.since >= _SURE_US]
+        seen = [track.mover for track in tracks]
         for track in self._tracks:
             mover = track.now(look)
             if (

@@ -226,6 +226,17 @@ def test_a_pillar_that_stands_does_not_move() -> None:
     assert not any((map_.state == LocalMap.MOVING).any() for map_ in maps)
 
 
+def test_what_a_single_frame_shows_elsewhere_does_not_move() -> None:
+    def moving(n_elsewhere: int) -> list[bool]:
+        drive = Drive(ahead_s=2.0, min_mover_mps=0.1, max_mover_mps=0.5)
+        stands, elsewhere = Pillar(1.0, -0.2), Pillar(1.0, 0.0)
+        seen = [stands] * 15 + [elsewhere] * n_elsewhere
+        return [bool((drive.step(pillars(one), 0.01).state == LocalMap.MOVING).any()) for one in seen]
+
+    assert not any(moving(1))
+    assert moving(2) == [False] * 16 + [True]
+
+
 def test_small_unknown_floor_counts_as_free() -> None:
     def see(camera: Camera) -> Plane:
         seen = seen_plane(camera)
