@@ -73,6 +73,7 @@ def test_every_model_that_ships_tells_the_floors_flow_at_its_tilt(model: str, ti
         assert out.motion is not None
         flow = oracle.step(out.truth)
         told = planar.step(flow, out.motion)
+        assert told is not None
         true = coarsen(flow, told.step_px)
         both = (told.planar_valid & true.valid) != 0
         assert both.mean() > 0.6

@@ -78,6 +78,7 @@ def test_odometry_is_not_asked_how_the_camera_shakes(
         stage = Motion(model=save(taught), odometry_error_ratio=ratio)
         stage.reset(0)
         planar = stage.step(floor.flow(exact), floor.motion(0.03, 0.1))
+        assert planar is not None
         errors_px.append(np.abs(planar.planar_uv_px - exact).mean())
     assert errors_px[1] < 0.1 < errors_px[0]
 

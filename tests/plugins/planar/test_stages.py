@@ -32,6 +32,7 @@ def test_the_flow_of_a_motion_is_predicted(
     stage.reset(0)
     exact = floor.uv_px(forward_m, turn_rad)
     planar = stage.step(floor.flow(exact), floor.motion(forward_m, turn_rad))
+    assert planar is not None
     assert planar.planar_uv_px == pytest.approx(exact, abs=0.35)
     assert np.abs(planar.planar_uv_px - exact).mean() < 0.08
 
@@ -40,6 +41,7 @@ def test_a_robot_at_rest_has_no_planar_flow(floor: Floor, model: PlanarModel, sa
     stage = Motion(model=save(model))
     stage.reset(0)
     planar = stage.step(floor.flow(np.zeros((30, 40, 2))), floor.motion(0.0, 0.0))
+    assert planar is not None
     assert not planar.planar_uv_px.any()
 
 
@@ -53,6 +55,7 @@ def test_odometry_that_errs_is_corrected_by_the_floor(
     for stage in (believing, correcting):
         stage.reset(0)
         planar = stage.step(floor.flow(exact), floor.motion(0.03 * scale, 0.1 / scale))
+        assert planar is not None
         errors_px.append(np.abs(planar.planar_uv_px - exact).mean())
     assert errors_px[1] < 0.2 * errors_px[0]
 
@@ -65,6 +68,7 @@ def test_an_obstacle_over_half_of_the_picture_does_not_draw_the_correction(
     exact = floor.uv_px(0.03, 0.0)
     seen = np.where(np.arange(40)[:, None] < 22, 1.4 * exact, exact)
     planar = stage.step(floor.flow(seen), floor.motion(0.03 * 1.02, 0.0))
+    assert planar is not None
     assert np.abs(planar.planar_uv_px - exact).max() < 0.02
 
 
@@ -73,6 +77,7 @@ def test_the_correction_stays_within_its_limit(floor: Floor, model: PlanarModel,
     stage.reset(0)
     exact = floor.uv_px(0.03, 0.0)
     planar = stage.step(floor.flow(1.04 * exact), floor.motion(0.03, 0.0))
+    assert planar is not None
     assert np.abs(planar.planar_uv_px).max() <= 1.021 * np.abs(exact).max()
 
 
@@ -81,7 +86,9 @@ def test_a_flow_without_a_valid_vector_corrects_nothing(floor: Floor, model: Pla
     stage.reset(0)
     exact = floor.uv_px(0.03, 0.0)
     blind = replace(floor.flow(2 * exact), valid=np.zeros((30, 40), np.uint8))
-    assert stage.step(blind, floor.motion(0.03, 0.0)).planar_uv_px == pytest.approx(exact, abs=0.05)
+    planar = stage.step(blind, floor.motion(0.03, 0.0))
+    assert planar is not None
+    assert planar.planar_uv_px == pytest.approx(exact, abs=0.05)
 
 
 def test_the_mean_is_the_same_whatever_the_robot_does(floor: Floor, model: PlanarModel, save: Save) -> None:
@@ -106,6 +113,7 @@ def test_what_was_taught_is_passed_on(floor: Floor, model: PlanarModel, save: Sa
     stage.reset(0)
     flow = floor.flow(floor.uv_px(0.03, 0.0))
     planar = stage.step(flow) if isinstance(stage, Mean) else stage.step(flow, floor.motion(0.03, 0.0))
+    assert planar is not None
     assert np.array_equal(planar.residual_px, model.residual_px)
     assert np.array_equal(planar.planar_valid, model.valid)
     assert (planar.step_px, planar.interval_us) == (4, flow.interval_us)
@@ -120,7 +128,9 @@ def test_a_dense_flow_of_the_same_picture_fits(floor: Floor, model: PlanarModel,
         valid=np.ones((120, 160), np.uint8),
         interval_us=100_000,
     )
-    assert stage.step(dense, floor.motion(0.0303, 0.0)).planar_uv_px == pytest.approx(exact, abs=0.05)
+    planar = stage.step(dense, floor.motion(0.0303, 0.0))
+    assert planar is not None
+    assert planar.planar_uv_px == pytest.approx(exact, abs=0.05)
 
 
 @pytest.mark.parametrize("kind", [Mean, Motion])
