@@ -18,6 +18,7 @@ from graphnav.core.runner import (
     LiveInbox,
     MatchedSet,
     Outcome,
+    ProcessState,
     RemoteStage,
     Sink,
     StageCalls,
@@ -108,6 +109,11 @@ class LiveSchedule:
     def skipped(self) -> int:
         """Firings of sources skipped because they were late by more than a period."""
         return sum(timer.skipped for timer, _ in self._sources)
+
+    @property
+    def process_states(self) -> Sequence[ProcessState]:
+        """How the processes of its stages are; empty: they live in this one."""
+        return ()
 
     def overtaken(self) -> Counter[str]:
         """Return the number of overtaken messages by edge, ``stage.port``, without zeros."""

@@ -13,6 +13,7 @@ from graphnav import Graph, Stage
 from graphnav.core.runner import (
     LiveInbox,
     LiveStep,
+    ProcessState,
     RemoteProcesses,
     RemoteStage,
     RemoteUnit,
@@ -139,6 +140,11 @@ class ProcessSchedule(LiveSchedule):
         self._dropped: set[str] = set()
         """The stages among them whose results are not used."""
         processes.watch(wake.fileno())
+
+    @property
+    def process_states(self) -> Sequence[ProcessState]:
+        """How the processes of its stages are."""
+        return self._processes.states()
 
     def reset(self, seed: int) -> None:
         """Reset the state of every stage from ``seed``, those of other processes at once.

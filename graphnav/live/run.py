@@ -197,6 +197,7 @@ class _LiveRun:
             finally:
                 interrupt.settle()
                 observer.finish()
+                observer.tell_processes()
 
     def _close_log(self) -> None:
         self._observer.finish()

@@ -11,7 +11,17 @@ from time import perf_counter
 from typing import Any
 
 from graphnav import Graph, Stage
-from graphnav.core.runner import Lockstep, LockstepInbox, RemoteStage, RemoteUnit, Sink, Spans, StageCalls, Unit
+from graphnav.core.runner import (
+    Lockstep,
+    LockstepInbox,
+    ProcessState,
+    RemoteStage,
+    RemoteUnit,
+    Sink,
+    Spans,
+    StageCalls,
+    Unit,
+)
 from graphnav.processes.supervisor import Supervisor
 
 
@@ -48,6 +58,7 @@ class ProcessLockstep(Lockstep):
     ) -> None:
         super().__init__(graph, stages, sinks, spans, calls)
         self._supervisor = supervisor
+        supervisor.while_waiting = self._look
         self._units: list[Unit[LockstepInbox]] = [*self._sources, *self._order]
         n = len(self._units)
         places = {unit.node.name: place for place, unit in enumerate(self._units)}
@@ -68,6 +79,15 @@ class ProcessLockstep(Lockstep):
         self._flying: dict[int, float] = {}
         """The stages that make a step in other processes, and when they began."""
         self._free: deque[int] = deque()
+
+    def _look(self) -> None:
+        """Call what the run has set by now."""
+        self.while_waiting()
+
+    @property
+    def process_states(self) -> Sequence[ProcessState]:
+        """How the processes of its stages are."""
+        return self._supervisor.states()
 
     @property
     def processes(self) -> dict[str, Any]:

@@ -83,6 +83,11 @@ class StageProcess:
         return self.link is not None and self._has_begun
 
     @property
+    def is_ready(self) -> bool:
+        """Whether it is there, and its stages have been reset."""
+        return self.is_there and self._reset is not None and self._reset.answer is not None
+
+    @property
     def is_down(self) -> bool:
         """Whether it is gone and is not started again."""
         return bool(self.failure)

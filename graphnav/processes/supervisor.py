@@ -10,17 +10,17 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from graphnav import Graph, GraphnavError
 from graphnav.core.graph import Part, part_yaml
 from graphnav.core.interrupts import CtrlC, ctrl_c_later
 from graphnav.core.machine import ONE_THREAD, peer_of
 from graphnav.core.run_folder import RunFolder
-from graphnav.core.runner import CODE, new_run_id, provenance
+from graphnav.core.runner import CODE, ProcessState, new_run_id, provenance
 from graphnav.processes import child
 from graphnav.processes.descriptors import is_readable
 from graphnav.processes.journal import Journal
@@ -34,6 +34,8 @@ _END_S = 1.0
 """How long a process may take to end by itself."""
 _ANSWER_S = 5.0
 """How long a process of a live run may take to answer what is not a step, such as for its metrics."""
+_LOOK_S = 1.0
+"""How long `Supervisor.wait` waits at most, since the run may have something to tell."""
 _INTERRUPT_S = 0.5
 """How long a step may take to end after it was interrupted."""
 
@@ -60,6 +62,8 @@ class Supervisor:
 
     def __init__(self, graph: Graph, folder: Path, notice: Callable[[str], None], *, is_live: bool = False) -> None:
         self.is_asked_to_stop: Callable[[], bool] = lambda: False
+        self.while_waiting: Callable[[], None] = lambda: None
+        """Called whenever `wait` returns."""
         self._folder, self._notice = folder, notice
         self.order = 0, 0
         """Of the reset of all stages: the seed of the run, and its clock at the start, microseconds."""
@@ -125,7 +129,7 @@ class Supervisor:
             process.ordered_reset(self.order)
 
     def wait(self, timeout_s: float | None = None) -> None:
-        """Wait for something to happen to the processes: an answer, a start, an end; handle it.
+        """Wait, a second at most, for something to happen to the processes: an answer, a start, an end; handle it.
 
         Raises
         ------
@@ -136,7 +140,7 @@ class Supervisor:
         for name in ended:
             self._follow(name)
         wait_s = self._wait_s(0.0 if ended else timeout_s)
-        ready = dict(self._poll.poll(None if wait_s is None else wait_s * 1e3))
+        ready = dict(self._poll.poll(wait_s * 1e3))
         if self._listener.fileno() in ready:
             self._accept()
         for name, process in self.processes.items():
@@ -146,18 +150,19 @@ class Supervisor:
         for name in self._ended:
             self._note_end(name)
         self._begin_due()
+        self.while_waiting()
 
-    def _wait_s(self, timeout_s: float | None) -> float | None:
-        """Return how long to wait at most, None for ever; let the poll look at what can be sent."""
+    def _wait_s(self, timeout_s: float | None) -> float:
+        """Return how long to wait at most; let the poll look at what can be sent."""
         for name, process in self.processes.items():
             if process.link is not None and process.link.is_sending != (name in self._sending):
                 self._sending ^= {name}
                 self._poll.modify(process.link, select.POLLIN | select.POLLOUT * process.link.is_sending)
         times_s = [*self._due_s.values(), *self._killed_s.values()]
-        waits = [] if timeout_s is None else [timeout_s]
+        waits = [_LOOK_S] if timeout_s is None else [_LOOK_S, timeout_s]
         if times_s:
             waits.append(max(0.0, min(times_s) - time.monotonic()))
-        return min(waits, default=None)
+        return min(waits)
 
     def _begin_due(self) -> None:
         """Kill and start what is due."""
@@ -198,6 +203,19 @@ class Supervisor:
         for name in busy:
             self.end(name, "it did not end its step when the run was stopped")
 
+    def states(self) -> Sequence[ProcessState]:
+        """Return how the processes are at the moment."""
+        return [
+            ProcessState(
+                name,
+                tuple(node.name for node in process.nodes),
+                self.pid_of(name) or 0,
+                self._state_of(name, process),
+                process.restarts,
+            )
+            for name, process in self.processes.items()
+        ]
+
     def report(self) -> dict[str, Any]:
         """Return what became of the processes, for the summary."""
         return {
@@ -228,6 +246,13 @@ class Supervisor:
                 self._wardens.close()
                 if self._journal is not None:
                     self._journal.close()
+
+    def _state_of(self, name: str, process: StageProcess) -> Literal["starting", "ready", "restarting", "given up"]:
+        if process.is_down:
+            return "given up"
+        if process.is_ready:
+            return "ready"
+        return "restarting" if name in self._lost_s else "starting"
 
     def _process(self, graph: Graph, part: Part, versions: dict[str, str]) -> StageProcess:
         nodes = [node for node in graph.nodes if node.name in part.stages]

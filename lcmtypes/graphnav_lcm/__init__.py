@@ -27,6 +27,7 @@ from .planar_model_t import planar_model_t as planar_model_t
 from .planar_t import planar_t as planar_t
 from .plane_t import plane_t as plane_t
 from .potential_t import potential_t as potential_t
+from .process_status_t import process_status_t as process_status_t
 from .recovery_state_t import recovery_state_t as recovery_state_t
 from .scan_t import scan_t as scan_t
 from .stage_status_t import stage_status_t as stage_status_t

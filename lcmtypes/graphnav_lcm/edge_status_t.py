@@ -9,16 +9,22 @@ import struct
 
 class edge_status_t(object):
 
-    __slots__ = ["name", "overtaken"]
+    __slots__ = ["name", "channel", "overtaken"]
 
-    __typenames__ = ["string", "int64_t"]
+    __typenames__ = ["string", "string", "int64_t"]
 
-    __dimensions__ = [None, None]
+    __dimensions__ = [None, None, None]
 
     def __init__(self):
         self.name = ""
         """
-        The input port that was overtaken: plane.flow
+        The input port that reads: plane.flow
+        LCM Type: string
+        """
+
+        self.channel = ""
+        """
+        What it reads, by reference: flow.flow; empty if the stage was swapped and has that input no more.
         LCM Type: string
         """
 
@@ -35,6 +41,10 @@ class edge_status_t(object):
         __name_encoded = self.name.encode('utf-8')
         buf.write(struct.pack('>I', len(__name_encoded)+1))
         buf.write(__name_encoded)
+        buf.write(b"\0")
+        __channel_encoded = self.channel.encode('utf-8')
+        buf.write(struct.pack('>I', len(__channel_encoded)+1))
+        buf.write(__channel_encoded)
         buf.write(b"\0")
         buf.write(struct.pack(">q", self.overtaken))
 
@@ -53,13 +63,15 @@ class edge_status_t(object):
         self = edge_status_t()
         __name_len = struct.unpack('>I', buf.read(4))[0]
         self.name = buf.read(__name_len)[:-1].decode('utf-8', 'replace')
+        __channel_len = struct.unpack('>I', buf.read(4))[0]
+        self.channel = buf.read(__channel_len)[:-1].decode('utf-8', 'replace')
         self.overtaken = struct.unpack(">q", buf.read(8))[0]
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if edge_status_t in parents: return 0
-        tmphash = (0xe06bc66abcbf2812) & 0xffffffffffffffff
+        tmphash = (0xe3d590aad8a5fba4) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -11,11 +11,11 @@ import graphnav_lcm
 
 class status_t(object):
 
-    __slots__ = ["utime", "seq", "run_id", "graph", "live", "wall_s", "run_s", "behind_s", "memory_mb", "tap_dropped", "log_dropped", "log_fault", "n_stages", "stages", "n_inputs", "inputs", "n_outputs", "outputs", "n_edges", "edges"]
+    __slots__ = ["utime", "seq", "run_id", "graph", "live", "wall_s", "run_s", "behind_s", "memory_mb", "tap_dropped", "log_dropped", "log_fault", "n_stages", "stages", "n_inputs", "inputs", "n_outputs", "outputs", "n_edges", "edges", "n_processes", "processes"]
 
-    __typenames__ = ["int64_t", "int64_t", "string", "string", "boolean", "double", "double", "double", "double", "int64_t", "int64_t", "string", "int32_t", "graphnav_lcm.stage_status_t", "int32_t", "graphnav_lcm.input_status_t", "int32_t", "graphnav_lcm.output_status_t", "int32_t", "graphnav_lcm.edge_status_t"]
+    __typenames__ = ["int64_t", "int64_t", "string", "string", "boolean", "double", "double", "double", "double", "int64_t", "int64_t", "string", "int32_t", "graphnav_lcm.stage_status_t", "int32_t", "graphnav_lcm.input_status_t", "int32_t", "graphnav_lcm.output_status_t", "int32_t", "graphnav_lcm.edge_status_t", "int32_t", "graphnav_lcm.process_status_t"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, ["n_stages"], None, ["n_inputs"], None, ["n_outputs"], None, ["n_edges"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, ["n_stages"], None, ["n_inputs"], None, ["n_outputs"], None, ["n_edges"], None, ["n_processes"]]
 
     def __init__(self):
         self.utime = 0
@@ -86,8 +86,16 @@ class status_t(object):
         """ LCM Type: int32_t """
         self.edges = []
         """
-        Edges on which messages were overtaken.
+        Edges on which messages were overtaken; of a run over several processes all edges.
         LCM Type: graphnav_lcm.edge_status_t[n_edges]
+        """
+
+        self.n_processes = 0
+        """ LCM Type: int32_t """
+        self.processes = []
+        """
+        The run's own first; none if all stages live in it.
+        LCM Type: graphnav_lcm.process_status_t[n_processes]
         """
 
 
@@ -128,6 +136,10 @@ class status_t(object):
         for i0 in range(self.n_edges):
             assert self.edges[i0]._get_packed_fingerprint() == graphnav_lcm.edge_status_t._get_packed_fingerprint()
             self.edges[i0]._encode_one(buf)
+        buf.write(struct.pack(">i", self.n_processes))
+        for i0 in range(self.n_processes):
+            assert self.processes[i0]._get_packed_fingerprint() == graphnav_lcm.process_status_t._get_packed_fingerprint()
+            self.processes[i0]._encode_one(buf)
 
     @staticmethod
     def decode(data: bytes):
@@ -167,13 +179,17 @@ class status_t(object):
         self.edges = []
         for i0 in range(self.n_edges):
             self.edges.append(graphnav_lcm.edge_status_t._decode_one(buf))
+        self.n_processes = struct.unpack(">i", buf.read(4))[0]
+        self.processes = []
+        for i0 in range(self.n_processes):
+            self.processes.append(graphnav_lcm.process_status_t._decode_one(buf))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if status_t in parents: return 0
         newparents = parents + [status_t]
-        tmphash = (0xe267fa641ac4f383+ graphnav_lcm.stage_status_t._get_hash_recursive(newparents)+ graphnav_lcm.input_status_t._get_hash_recursive(newparents)+ graphnav_lcm.output_status_t._get_hash_recursive(newparents)+ graphnav_lcm.edge_status_t._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x489bd5989ae9fadb+ graphnav_lcm.stage_status_t._get_hash_recursive(newparents)+ graphnav_lcm.input_status_t._get_hash_recursive(newparents)+ graphnav_lcm.output_status_t._get_hash_recursive(newparents)+ graphnav_lcm.edge_status_t._get_hash_recursive(newparents)+ graphnav_lcm.process_status_t._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -64,14 +64,14 @@ def test_the_envelope_is_kept_where_it_is_given(group: str, listener: Listener) 
 
 
 def test_types_without_an_envelope_get_none() -> None:
-    fields = Fields({"name": "plane.flow", "overtaken": 2}, frozenset({"name"}))
+    fields = Fields({"name": "plane.flow", "channel": "flow.flow", "overtaken": 2}, frozenset({"name", "channel"}))
     bus, received = Bus(), list[bytes]()
     bus.subscribe("x", lambda _, data: received.append(data))
     Publisher(bus, "x", graphnav_lcm.edge_status_t, fields).publish()
     bus.drain()
     bus.close()
     made = graphnav_lcm.edge_status_t()
-    made.name, made.overtaken = "plane.flow", 2
+    made.name, made.channel, made.overtaken = "plane.flow", "flow.flow", 2
     assert received == [made.encode()]
 
 

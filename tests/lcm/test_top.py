@@ -83,7 +83,7 @@ STATUS = Status(
     stages=(STAGE,),
     inputs=(INPUT,),
     outputs=(OUTPUT,),
-    edges=({"name": "plane.flow", "overtaken": 4},),
+    edges=({"name": "plane.flow", "channel": "flow.flow", "overtaken": 4},),
 )
 STOPPED = GuardState(
     may_move=False,
@@ -114,14 +114,85 @@ def test_an_output_that_sent_only_stops_has_no_latency() -> None:
     assert row.split() == ["guard.twist", "BASE_CMD", "motor", "240", "3"]
 
 
-def test_the_restarts_of_a_stage_are_told_where_there_are_some() -> None:
+def process(name: str, *stages: str, pid: int = 4242, state: str = "ready", restarts: int = 0) -> dict[str, Any]:
+    """Return the status of a process."""
+    load = {"cpu_ratio": 0.254, "memory_mb": 61.7}
+    return {"name": name, "stages": stages, "pid": pid, "state": state, "restarts": restarts, **load}
+
+
+OVER_PROCESSES = replace(
+    STATUS,
+    stages=(STAGE, STAGE | {"name": "plane", "use": "plane.affine"}, STAGE | {"name": "guard", "use": "control.guard"}),
+    edges=(
+        {"name": "flow.image", "channel": "camera.image", "overtaken": 0},
+        {"name": "guard.plane", "channel": "plane.plane", "overtaken": 0},
+        {"name": "plane.flow", "channel": "flow.flow", "overtaken": 4},
+    ),
+    processes=(
+        process("", "guard", pid=4000),
+        process("eyes", "flow", "plane", restarts=2),
+        process("late", "other", pid=0, state="restarting", restarts=1),
+    ),
+)
+
+
+def rows_of(text: str, heading: str) -> list[list[str]]:
+    """Return the rows of a table without its heading and the line below it, split at two spaces."""
+    lines = text.splitlines()
+    begin = lines.index(next(line for line in lines if line.startswith(heading))) + 2
+    rules = [number - 1 for number, line in enumerate(lines) if line.startswith("─") and number > begin]
+    return [re.split(r" {2,}", line.strip()) for line in lines[begin : min(rules, default=len(lines))]]
+
+
+def test_the_processes_of_a_run_and_the_ways_of_its_edges_are_told() -> None:
+    health = Health(lambda: 10.5)
+    health.receive(Received("graphnav.status", encode(OVER_PROCESSES, 12_300_000, 12), 10.4))
+    text = text_of(health)
+    assert rows_of(text, "process") == [
+        ["(run)", "guard", "4000", "ready", "0", "25 %", "62 MB"],
+        ["eyes", "flow, plane", "4242", "ready", "2", "25 %", "62 MB"],
+        ["late", "other", "restarting", "1", "25 %", "62 MB"],
+    ]
+    assert [row[:3] for row in rows_of(text, "stage")] == [
+        ["flow", "flow.dis", "eyes"],
+        ["plane", "plane.affine", "eyes"],
+        ["guard", "control.guard", "(run)"],
+    ]
+    assert rows_of(text, "edge") == [
+        ["flow.image", "camera.image", "(run) → eyes", "0"],
+        ["guard.plane", "plane.plane", "eyes → (run)", "0"],
+        ["plane.flow", "flow.flow", "within eyes", "4"],
+    ]
+    assert "overtaken on edges" not in text
+    ways = [edge["processes"] for edge in health_as_json(health, "")["runs"][0]["status"]["edges"]]
+    assert ways == [("", "eyes"), ("eyes", ""), ("eyes", "eyes")]
+
+
+def test_in_lockstep_no_edge_drops_anything() -> None:
+    health = Health(lambda: 10.5)
+    health.receive(Received("graphnav.status", encode(replace(OVER_PROCESSES, live=False), 12_300_000, 12), 10.4))
+    assert rows_of(text_of(health), "edge")[-1] == ["plane.flow", "flow.flow", "within eyes"]
+
+
+def test_a_run_in_one_process_shows_none() -> None:
     health = Health(lambda: 10.5)
     health.receive(Received("graphnav.status", encode(STATUS, 12_300_000, 12), 10.4))
-    assert "restarts" not in text_of(health)
-    again = replace(STATUS, stages=(STAGE | {"restarts": 2},))
-    health.receive(Received("graphnav.status", encode(again, 12_400_000, 13), 10.4))
-    (headings, row) = [line.split() for line in text_of(health).splitlines() if line.startswith(("stage", "flow "))]
-    assert (headings[-1], row[-1]) == ("restarts", "2")
+    assert not {"process", "edge", "way", "restarts"} & set(text_of(health).split())
+
+
+def test_processes_of_a_hostile_status_are_text_of_bounded_length() -> None:
+    health = Health(lambda: 10.5)
+    many = tuple(process(f"\x1b[2J{k}", f"\x1b]0;{k}", pid=-(2**63), state="\x07", restarts=-1) for k in range(3000))
+    load = {"cpu_ratio": float("nan"), "memory_mb": float("-inf")}
+    edges = tuple({"name": f"\x1b{k}", "channel": "\u202e", "overtaken": 2**63 - 1} for k in range(3000))
+    hostile = replace(OVER_PROCESSES, processes=(many[0] | load, *many), edges=edges)
+    health.receive(Received("graphnav.status", encode(hostile, 12_300_000, 12), 10.4))
+    text = text_of(health)
+    assert not {"\x1b", "\x07", "\u202e"} & set(text)
+    assert text.splitlines().count("and 2000 more") == 1
+    assert text.splitlines().count("and 2001 more") == 1
+    assert "nan %" in text
+    assert json.loads(json.dumps(health_as_json(health, ""), allow_nan=False))
 
 
 def test_a_robot_that_the_guard_holds_tells_what_to_do() -> None:
@@ -374,7 +445,8 @@ def test_two_runs_at_once_are_both_told(group: str, publishing: Publish, capsys:
     given = {name: value for name, value in INPUT.items() if name != "reasons"}
     assert a["status"]["inputs"] == [given | {"rejected": REJECTED, "details": {"undecodable": INPUT["details"][0]}}]
     assert a["status"]["outputs"] == [OUTPUT]
-    assert a["status"]["edges"] == [{"name": "plane.flow", "overtaken": 4}]
+    assert a["status"]["edges"] == [{"name": "plane.flow", "channel": "flow.flow", "overtaken": 4}]
+    assert a["status"]["processes"] == []
     scalars = {"graph": "robot", "behind_s": 0.04, "memory_mb": 151.6, "tap_dropped": 1, "log_dropped": 2}
     assert scalars.items() <= a["status"].items()
     (guard,) = told["guards"]

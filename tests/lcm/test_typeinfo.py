@@ -182,6 +182,7 @@ def test_without_a_compiler_there_are_sources_and_what_to_run(
         "input_status_t",
         "output_status_t",
         "edge_status_t",
+        "process_status_t",
     }
     assert all(source.is_file() for source in made.sources)
     said = capsys.readouterr().out.splitlines()

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import groupby
 from pathlib import Path
 
 import pytest
 
 from graphnav import Odometry, Recording, Status
 from graphnav.core.catalog import Catalog
+from graphnav.core.cli import main
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Override
 from graphnav.core.messages import Goal
@@ -171,7 +174,7 @@ def test_a_stage_that_ends_stops_the_robot_and_comes_back(driven: Callable[[str]
             numbers = [int.from_bytes(event.data[16:24], "big") for event in log.events() if event.channel == channel]
             assert numbers == list(range(len(numbers)))
             assert log.utimes(channel) == sorted(set(log.utimes(channel)))
-        statuses = [status for _, _, status in log.messages("graphnav.status") if isinstance(status, Status)]
+        statuses = statuses_of(log)
     assert {one["name"]: one["restarts"] for one in statuses[-1].stages} == {"see": 1, "relay": 1, "guard": 0}
     assert {name: (told["restarts"], told["ended"]) for name, told in (summary.processes or {}).items()} == {
         name: (1, ["was killed by SIGKILL"]) for name in ("eyes", "middle")
@@ -301,3 +304,63 @@ def test_a_source_begins_again(live: Callable[..., Live], outside: Callable[...,
         stamps = log.utimes("clock.twist")
         assert stamps == sorted(set(stamps))
     assert summary.stages["clock"].steps >= len(counts())
+
+
+def statuses_of(log: Recording) -> list[Status]:
+    """Return the statuses in a log."""
+    return [status for _, _, status in log.messages("graphnav.status") if isinstance(status, Status)]
+
+
+def test_the_status_tells_of_every_process_and_which_way_edges_take(
+    driven: Callable[[str], Driven], capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = driven(chain(guard=GUARD))
+    pid = one.send("last", signal.SIGKILL)
+    one.show_until(lambda: any("it is started again" in line for line in one.run.notices))
+    n_looks = len(one.looks)
+    one.show_until(lambda: len(one.looks) > n_looks)
+    one.stop()
+    one.drive()
+    n_looks = len(one.looks)
+    one.show_until(lambda: len(one.looks) > n_looks)
+    _, log = one.run.stop()
+    with log:
+        told = [{process["name"]: process for process in status.processes} for status in statuses_of(log)]
+    assert [(name, list(process["stages"])) for name, process in told[-1].items()] == [
+        ("", []),
+        ("eyes", ["see"]),
+        ("middle", ["relay"]),
+        ("last", ["guard"]),
+    ]
+    assert [state for state, _ in groupby(processes["last"]["state"] for processes in told)][-2:] == [
+        "restarting",
+        "ready",
+    ]
+    assert (told[-1][""]["pid"], told[-1]["last"]["restarts"]) == (os.getpid(), 1)
+    assert told[-1]["last"]["pid"] not in {0, pid}
+    assert all(process["memory_mb"] > 1.0 for process in told[-1].values())
+    ratios = [process["cpu_ratio"] for processes in told for process in processes.values()]
+    assert min(ratios) >= 0.0
+    assert sum(ratios) > 0.0
+    assert main(["top", str(one.run.folder), "--json"]) == 0
+    (run,) = json.loads(capsys.readouterr().out)["runs"]
+    assert {edge["name"]: (edge["channel"], *edge["processes"]) for edge in run["status"]["edges"]} == {
+        "see.image": ("camera.image", "", "eyes"),
+        "relay.one": ("see.twist", "eyes", "middle"),
+        "guard.command": ("relay.twist", "middle", "last"),
+        "guard.image": ("camera.image", "", "last"),
+    }
+
+
+def test_the_last_status_tells_which_process_was_given_up(
+    driven: Callable[[str], Driven], capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = driven(chain("restart: never"))
+    one.send("middle", signal.SIGKILL)
+    _, log = one.run.finish()
+    with log:
+        last = {process["name"]: (process["state"], process["pid"] > 0) for process in statuses_of(log)[-1].processes}
+    assert last == {"": ("ready", True), "eyes": ("ready", True), "middle": ("given up", False)}
+    assert main(["top", str(one.run.folder)]) == 0
+    (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("middle ")]
+    assert row[:4] == ["middle", "relay", "given", "up"]

@@ -29,8 +29,10 @@ class Status(Message, lcm=graphnav_lcm.status_t):
     """The health of a run, once a second.
 
     ``behind_s``: how far the run is behind the wall clock. ``log_fault``: why messages are not recorded at present,
-    empty if they are. ``stages``, ``inputs``, ``outputs``, ``edges``: one mapping each, with the fields of
-    ``stage_status_t``, ``input_status_t``, ``output_status_t`` and ``edge_status_t``.
+    empty if they are. ``stages``, ``inputs``, ``outputs``, ``edges``, ``processes``: one mapping each, with the fields
+    of ``stage_status_t``, ``input_status_t``, ``output_status_t``, ``edge_status_t`` and ``process_status_t``.
+    ``edges``: those on which messages were overtaken, of a run over several processes all; ``processes``: of such a
+    run, its own first.
     """
 
     CHANNEL: ClassVar[str] = "graphnav.status"
@@ -48,6 +50,7 @@ class Status(Message, lcm=graphnav_lcm.status_t):
     inputs: tuple[dict[str, Any], ...]
     outputs: tuple[dict[str, Any], ...]
     edges: tuple[dict[str, Any], ...]
+    processes: tuple[dict[str, Any], ...] = ()
 
 
 class Gap(Message, lcm=graphnav_lcm.gap_t):

@@ -19,9 +19,9 @@ from .recording.running_file import RunningFile, RunningRun
 from .recording.saved_graph import remember_copies
 from .recording.stall import StallLimit
 from .recording.summary import Summary
-from .remote_unit import Done, Encoded, LiveStep, RemoteProcesses, RemoteStage, RemoteUnit
+from .remote_unit import Done, Encoded, LiveStep, ProcessState, RemoteProcesses, RemoteStage, RemoteUnit
 from .stage_calls import StageCalls
-from .status import Rates, memory_mb
+from .status import ProcessStatuses, Rates, edge_statuses, memory_mb
 from .timer import Timer
 from .unit import LocalUnit, Unit
 
@@ -46,6 +46,8 @@ __all__ = [
     "MatchedSet",
     "Measured",
     "Outcome",
+    "ProcessState",
+    "ProcessStatuses",
     "ProgressFile",
     "Rates",
     "RecordedRun",
@@ -70,6 +72,7 @@ __all__ = [
     "decoded",
     "difference",
     "difference_here",
+    "edge_statuses",
     "is_nearly_full",
     "memory_mb",
     "new_run_id",

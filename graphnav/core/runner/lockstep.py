@@ -11,7 +11,7 @@ from graphnav.core.errors import StageError
 from graphnav.core.graph import Channel, Graph, Node
 from graphnav.core.runner.engine import Engine, Outcome, Published, Sink, Spans
 from graphnav.core.runner.lockstep_inbox import LockstepInbox
-from graphnav.core.runner.remote_unit import RemoteStage
+from graphnav.core.runner.remote_unit import ProcessState, RemoteStage
 from graphnav.core.runner.stage_calls import StageCalls
 from graphnav.core.runner.unit import Unit
 from graphnav.core.stage import Stage
@@ -88,9 +88,16 @@ class Lockstep:
         self.tick: Callable[[], str | None] = spans.tick(self._tick)
         """Fires everything that is due at the next stamp; returns the outcome if a source ended the run, and raises
         StageError if a stage raised, or returned something invalid."""
+        self.while_waiting: Callable[[], None] = lambda: None
+        """Called once a second at least while a reset or a tick waits for another process."""
         self._order = [self.engine.units[node.name] for node in graph.order]
         self._sources = [self.engine.units[node.name] for node in graph.sources]
         self._due: list[tuple[int, int, int]] = []
+
+    @property
+    def process_states(self) -> Sequence[ProcessState]:
+        """How the processes of its stages are; empty: they live in this one."""
+        return ()
 
     @property
     def processes(self) -> dict[str, Any] | None:

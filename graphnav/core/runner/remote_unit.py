@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 from graphnav.core.errors import GraphnavError, StageError, failure_line
 from graphnav.core.graph import Channel, Node
@@ -96,6 +96,17 @@ class RemoteStage(Protocol):
         """Close the stage, if its process is still there; raises StageError."""
 
 
+class ProcessState(NamedTuple):
+    """A process of a run, and the stages that live in it."""
+
+    name: str
+    stages: tuple[str, ...]
+    pid: int
+    """0 while there is none."""
+    state: Literal["starting", "ready", "restarting", "given up"]
+    restarts: int
+
+
 class RemoteProcesses(Protocol):
     """The processes of the stages of a live run."""
 
@@ -113,6 +124,9 @@ class RemoteProcesses(Protocol):
 
     def interrupt(self) -> None:
         """Break off the steps in progress, end the processes that do not obey, and start none any more."""
+
+    def states(self) -> Sequence[ProcessState]:
+        """Return how the processes are at the moment."""
 
     def report(self) -> dict[str, Any]:
         """Return what became of the processes, for the summary."""

@@ -62,16 +62,24 @@ class Observer:
             return False
         lines = list(self._alarms.look(self.receiver))
         self.status = self._reporter.make()
-        now = schedule.clock.now()
-        schedule.sink.write(Status.CHANNEL, now, encode(self.status, now, schedule.engine.number(Status.CHANNEL)))
+        self._publish()
         for line in lines:
             self.tell(line)
         return True
 
     def finish(self) -> None:
-        """Publish the last status, at the end of the run."""
+        """Make the last status, at the end of the run."""
         self._alarms.close()
         self.status = self._reporter.make()
+
+    def tell_processes(self) -> None:
+        """Publish the last status where it says which process is gone."""
+        if self.status.processes:
+            self._publish()
+
+    def _publish(self) -> None:
+        schedule, now = self._schedule, self._schedule.clock.now()
+        schedule.sink.write(Status.CHANNEL, now, encode(self.status, now, schedule.engine.number(Status.CHANNEL)))
 
     @property
     def dropped_packets(self) -> int:

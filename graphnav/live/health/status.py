@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from graphnav import Status
-from graphnav.core.runner import Rates, memory_mb
+from graphnav.core.runner import ProcessStatuses, Rates, edge_statuses, memory_mb
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
@@ -47,6 +47,7 @@ class StatusReporter:
         self._due_s = schedule.clock.now_s() + _PERIOD_S
         self._last_s = schedule.clock.now_s()
         self._rates = Rates()
+        self._processes = ProcessStatuses()
 
     def is_due(self) -> bool:
         """Whether the last status is a second old."""
@@ -58,6 +59,7 @@ class StatusReporter:
         now_s = clock.now_s()
         elapsed_s = max(now_s - self._last_s, 1e-6)
         self._last_s, self._due_s = now_s, now_s + _PERIOD_S
+        units, states = self._schedule.engine.units, self._schedule.process_states
         overtaken = self._schedule.overtaken()
         losses = self._losses()
         return Status(
@@ -71,10 +73,11 @@ class StatusReporter:
             tap_dropped=losses.tap_dropped,
             log_dropped=losses.log_dropped,
             log_fault=losses.log_fault,
-            stages=self._rates.stage_statuses(self._schedule.engine.units, elapsed_s),
+            stages=self._rates.stage_statuses(units, elapsed_s),
             inputs=tuple(self._input(one, now_s, elapsed_s) for one in self._schedule.intakes.values()),
             outputs=tuple(_output(one, self._traffic) for one in self._schedule.outlets.values()),
-            edges=tuple({"name": edge, "overtaken": count} for edge, count in sorted(overtaken.items())),
+            edges=edge_statuses((unit.node for unit in units.values()), overtaken, has_processes=bool(states)),
+            processes=self._processes.make(states, units),
         )
 
     def _input(self, intake: Intake, now_s: float, elapsed_s: float) -> dict[str, Any]:

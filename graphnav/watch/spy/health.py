@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -13,17 +14,39 @@ from graphnav.core.errors import shown_name
 from graphnav.core.tables import Cell, Table, cut
 from graphnav.watch.feed import MAX_RUNS, GuardHealth, Health, RunHealth
 from graphnav.watch.fields.plain_values import plain
+from graphnav.watch.spy.processes import EDGE, PROCESS, Processes, shown_process
 
 _FORGET_S = 10.0
 """A run that is silent for longer is shown in one line."""
 _INPUT = ("input", "channel", "accepted", "lost", "rate", "age / max", "offset", "fault", "rejected")
 _OUTPUT = ("output", "channel", "", "sent", "refused", "latency p50", "p99", "max", "fault")
-_STAGE = ("stage", "uses", "rate", "p50", "p99", "deadline", "missed", "overtaken", "restarts")
-_STRINGS = {"stage", "uses", "input", "channel", "output", "fault", "rejected"}
+_STAGE = ("stage", "uses", "process", "rate", "p50", "p99", "deadline", "missed", "overtaken")
+_STRINGS = {
+    "stage",
+    "uses",
+    "input",
+    "channel",
+    "output",
+    "fault",
+    "rejected",
+    "process",
+    "stages",
+    "edge",
+    "reads",
+    "way",
+}
 """Columns that shrink if a table is too wide; numbers are never cut."""
 _WIDE_COLS = 100
 """Narrower terminals show fewer columns."""
-_WIDE_ONLY = {_INPUT: {"channel", "offset"}, _OUTPUT: {"channel", "max"}, _STAGE: {"uses", "deadline"}}
+_WIDE_ONLY = {
+    _INPUT: {"channel", "offset"},
+    _OUTPUT: {"channel", "max"},
+    _STAGE: {"uses", "process", "deadline"},
+    PROCESS: {"stages"},
+    EDGE: {"reads"},
+}
+_MAX_ROWS = 1000
+"""Any program may send a status of any length."""
 _WRAPPED = {"fault", "rejected"}
 _STOP = "stop"
 """The guard's cause of a stop that was requested; a stopped robot without it is held by what the guard found."""
@@ -73,35 +96,44 @@ def _clock(status: Status) -> str:
 
 
 def _tables(status: Status, style: str, width_cols: int) -> Iterator[RenderableType]:
-    for headings, rows in (
-        (_INPUT, [_input(one) for one in status.inputs]),
-        (_OUTPUT, [_output(one) for one in status.outputs]),
-        (_STAGE, [_stage(one) for one in status.stages]),
-    ):
+    processes = Processes(status)
+    tables: Sequence[tuple[tuple[str, ...], Iterator[Sequence[object]]]] = (
+        (_INPUT, map(_input, status.inputs)),
+        (_OUTPUT, map(_output, status.outputs)),
+        (PROCESS, processes.rows()),
+        (_STAGE, (_stage(one, processes.of(one["name"])) for one in status.stages)),
+        (EDGE, processes.edge_rows() if processes else iter(())),
+    )
+    for headings, all_rows in tables:
+        rows = list(islice(all_rows, _MAX_ROWS))
         if rows:
-            hidden = set(_WIDE_ONLY.get(headings, ()) if width_cols < _WIDE_COLS else ())
-            if not any(one["restarts"] for one in status.stages):
-                hidden.add("restarts")
+            hidden = set(_WIDE_ONLY[headings] if width_cols < _WIDE_COLS else ())
+            if not processes:
+                hidden.add("process")
+            if not status.live and headings is EDGE:
+                hidden.add("overtaken")
             yield _table(headings, rows, style, hidden)
+        if n_more := sum(1 for _ in all_rows):
+            yield Text(f"and {n_more} more", style)
         if headings is _INPUT:
             yield from (Text(line, "yellow") for one in status.inputs for line in _details(one))
-    if status.edges:
+    if status.edges and not processes:
         overtaken = ", ".join(f"{shown_name(edge['name'])} {edge['overtaken']}" for edge in status.edges)
         yield Text(f"overtaken on edges: {overtaken}", style)
 
 
-def _stage(one: Mapping[str, Any]) -> Sequence[object]:
+def _stage(one: Mapping[str, Any], process: str) -> Sequence[object]:
     deadline = f"{one['deadline_ms']:.0f} ms" if one["deadline_ms"] else ""
     return (
         shown_name(one["name"]),
         shown_name(one["use"]),
+        shown_process(process),
         f"{one['rate_hz']:.1f} Hz",
         _ms(one["p50_ms"]),
         _ms(one["p99_ms"]),
         deadline,
         _count(one["missed"]),
         _count(one["overtaken"]),
-        _count(one["restarts"]),
     )
 
 
@@ -197,6 +229,11 @@ def _run_json(health: Health, run: RunHealth) -> dict[str, Any]:
             one["rejected"] = dict(zip(reasons, one["rejected"], strict=False))
             one["details"] = {reason: text for reason, text in zip(reasons, one["details"], strict=False) if text}
             del one["n_reasons"]
+        processes = Processes(run.status)
+        for one in fields["processes"]:
+            del one["n_stages"]
+        for one in fields["edges"] if processes else ():
+            one["processes"] = processes.way(one)
     return {
         "run_id": run.run_id,
         "silent": health.is_silent(run),

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from graphnav import Twist
 from graphnav.core.graph import Graph, resolved_yaml
-from graphnav.core.messages import About
+from graphnav.core.messages import About, Status
 from graphnav.core.record import Recording
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import seed_of
+from graphnav.core.runner.recording.kept_messages import kept
 from graphnav.core.runner.recording.run_recorded import run_recorded
 from graphnav.core.runner.recording.summary import Summary
 
@@ -164,6 +165,21 @@ def test_small_logs_keep_small_messages_and_the_first_of_every_channel(run: Run)
     assert log.count("n.image") == 11
     _, log = run(text.replace("probe.noise", "probe.noise, with: {rows: 100}"), "large")
     assert (log.count("d.twist"), log.count("n.image")) == (11, 1)
+
+
+def test_small_logs_keep_every_status_of_any_size(load: Callable[[str], Graph]) -> None:
+    graph = load("run: {record: small}\nstages: {d: {use: probe.dice}}")
+    written: list[str] = []
+
+    class Log:
+        def write(self, channel: str, _utime: int, _data: bytes) -> None:
+            written.append(channel)
+
+    sink = kept(graph, Log(), None, is_live=True)
+    for _ in range(3):
+        for channel in (Status.CHANNEL, "d.twist"):
+            sink.write(channel, 0, bytes(Recording.SMALL_BYTES))
+    assert written == [Status.CHANNEL, "d.twist", Status.CHANNEL, Status.CHANNEL]
 
 
 def test_a_log_holds_only_the_channels_that_it_is_asked_to_keep(load: Callable[[str], Graph], tmp_path: Path) -> None:

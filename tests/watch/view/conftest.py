@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from graphnav import Status
+from graphnav.core.codec import encode
 from graphnav.core.record import LogWriter
 from graphnav.watch.feed import Feed
 from graphnav.watch.view import PageFeed
 
-from .drive import messages
+from .drive import N_FRAMES, PERIOD_US, messages, status_of_processes
 from .foxglove_client import FoxgloveServed
 from .served import Served
 
@@ -24,6 +26,19 @@ def log(tmp_path: Path) -> Path:
     with LogWriter(path) as writer:
         for channel, utime, data in messages():
             writer.write(channel, utime, data)
+    return path
+
+
+@pytest.fixture
+def log_of_processes(log: Path) -> Path:
+    """Return the log of such a drive over three processes."""
+    path = log.with_name("processes.lcmlog")
+    with LogWriter(path) as writer:
+        for channel, utime, data in messages():
+            if channel != Status.CHANNEL:
+                writer.write(channel, utime, data)
+        utime = (N_FRAMES - 1) * PERIOD_US
+        writer.write(Status.CHANNEL, utime, encode(status_of_processes(N_FRAMES - 1), utime, 0))
     return path
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -91,7 +93,28 @@ def status(k: int) -> Status:
         ),
         inputs=(),
         outputs=(),
-        edges=({"name": "plane.flow", "overtaken": 4},),
+        edges=({"name": "plane.flow", "channel": "flow.flow", "overtaken": 4},),
+    )
+
+
+def process_status(name: str, stages: tuple[str, ...], state: str = "ready", restarts: int = 0) -> dict[str, Any]:
+    """Return the health of a process."""
+    load = {"pid": 4242 if state == "ready" else 0, "cpu_ratio": 0.254, "memory_mb": 61.7}
+    return {"name": name, "stages": stages, "state": state, "restarts": restarts, **load}
+
+
+def status_of_processes(k: int) -> Status:
+    """Return the health of a run over three processes, of which one is being started again."""
+    edges = (("plane.flow", "flow.flow", 4), ("flow.image", "robot.image", 0), ("steer.plane", "plane.plane", 0))
+    return replace(
+        status(k),
+        live=True,
+        edges=tuple({"name": name, "channel": ref, "overtaken": n} for name, ref, n in edges),
+        processes=(
+            process_status("", ("robot", "planar", "control", "drive")),
+            process_status("eyes", ("flow", "plane")),
+            process_status(MARKUP, ("steer",), "restarting", 2),
+        ),
     )
 
 

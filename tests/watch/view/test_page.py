@@ -55,7 +55,17 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 @pytest.fixture
 def page(browser: Browser, serve: Serve, log: Path) -> Browser:
     """Return a browser at the page of a log, paused at its end."""
-    served = serve(log)
+    return opened(browser, serve(log))
+
+
+@pytest.fixture
+def page_of_processes(browser: Browser, serve: Serve, log_of_processes: Path) -> Browser:
+    """Return a browser at the page of the log of a run over processes, paused at its end."""
+    return opened(browser, serve(log_of_processes))
+
+
+def opened(browser: Browser, served: Served) -> Browser:
+    """Open the page of a log, paused at its end; return the browser."""
     assert served.source.log is not None
     with served.source.lock:
         served.source.log.pause()
@@ -106,6 +116,37 @@ def test_names_and_texts_are_never_markup(page: Browser) -> None:
     assert text(page, "#details-title") == MARKUP
     assert page.evaluate("all('img, main script').length") == 0
     assert page.complaints == []
+
+
+def test_processes_and_the_ways_of_edges_are_shown(page_of_processes: Browser) -> None:
+    page = page_of_processes
+    page.wait_for("!id('processes-panel').hidden && all('#edges tbody tr').length === 3")
+    rows = "all('{} tbody tr').map((row) => [...row.children].map((cell) => cell.textContent))"
+    assert page.evaluate(rows.format("#processes")) == [
+        ["(run)", "robot, planar, control, drive", "4242", "ready", "0", "25 %", "62 MB"],
+        ["eyes", "flow, plane", "4242", "ready", "0", "25 %", "62 MB"],
+        [MARKUP, "steer", "–", "restarting", "2", "25 %", "62 MB"],
+    ]
+    assert page.evaluate(rows.format("#edges")) == [
+        ["plane.flow", "flow.flow", "within eyes", "4"],
+        ["flow.image", "robot.image", "(run) → eyes", "0"],
+        ["steer.plane", "plane.plane", f"eyes → {MARKUP}", "0"],
+    ]
+    assert page.evaluate("strings('#processes td.bad')") == ["restarting", "2"]
+    labels = page.evaluate("strings('.graph text.lost').filter((text) => /from|overtaken/.test(text)).sort()")
+    assert labels == ["4 overtaken", "from (run)", "from eyes"]
+    titles = page.evaluate("strings('.graph .stage title')")
+    assert any(title.endswith("in process eyes, ready") for title in titles)
+    assert page.evaluate("all('img, main script').length") == 0
+    assert page.complaints == []
+    for width in (390, 1280):
+        page.resize(width, 900)
+        page.evaluate("new Promise((done) => requestAnimationFrame(done))")
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_a_run_in_one_process_shows_none(page: Browser) -> None:
+    assert page.evaluate("getComputedStyle(id('processes-panel')).display") == "none"
 
 
 def test_a_click_on_an_edge_opens_it_with_its_plot(page: Browser) -> None:

@@ -24,7 +24,11 @@ Serve = Callable[[Path | str], Served]
 @pytest.fixture
 def served(serve: Serve, log: Path) -> Served:
     """Return the page of a log, paused at its end."""
-    served = serve(log)
+    return at_end(serve(log))
+
+
+def at_end(served: Served) -> Served:
+    """Pause the log of a page at its end; return the page."""
     assert served.source.log is not None
     with served.source.lock:
         served.source.log.pause()
@@ -125,6 +129,18 @@ def test_a_page_is_told_graph_channels_and_health(served: Served) -> None:
         stages = {stage["name"]: stage for stage in known["state"]["run"]["status"]["stages"]}
         assert stages["plane"]["p50_ms"] == 4.5
         assert "details" not in known, "nothing is decoded that is not shown"
+
+
+def test_a_page_is_told_the_processes_and_the_ways_of_edges(serve: Serve, log_of_processes: Path) -> None:
+    with Page(at_end(serve(log_of_processes))) as page:
+        known = page.until(lambda known: (known["state"]["run"] or {}).get("status") is not None)
+        status = known["state"]["run"]["status"]
+    assert [(one["name"], one["state"], one["stages"]) for one in status["processes"]] == [
+        ("", "ready", ["robot", "planar", "control", "drive"]),
+        ("eyes", "ready", ["flow", "plane"]),
+        (MARKUP, "restarting", ["steer"]),
+    ]
+    assert [edge["processes"] for edge in status["edges"]] == [["eyes", "eyes"], ["", "eyes"], ["eyes", MARKUP]]
 
 
 def test_a_page_gets_the_channel_that_it_shows(served: Served) -> None:

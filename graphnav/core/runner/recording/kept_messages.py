@@ -6,6 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from graphnav.core.graph import Graph
+from graphnav.core.messages import Status
 from graphnav.core.record import Recording
 from graphnav.core.record.log_files import LogFiles, Split
 from graphnav.core.record.threaded_writer import Log
@@ -21,7 +22,9 @@ def kept(graph: Graph, sink: Sink, channels: Collection[str] | None, *, is_live:
     if channels is not None:
         return ChannelsOnly(sink, channels)
     option = record_option(graph.run.record, is_live=is_live)
-    return sink if option == "all" else SmallOnly(sink, complete_channels(graph, option, is_live=is_live))
+    if option == "all":
+        return sink
+    return SmallOnly(sink, complete_channels(graph, option, is_live=is_live) | {Status.CHANNEL})
 
 
 def record_option(given: RecordOption | None, *, is_live: bool) -> RecordOption:

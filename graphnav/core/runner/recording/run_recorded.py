@@ -221,8 +221,12 @@ class _LockstepRun:
         self, forecast: LogForecast | None, on_tick: Callable[[int], None], should_stop: Callable[[], bool]
     ) -> None:
         """Run the stages to the end and read their scores."""
-        record, engine, clock, tap = self.record, self._lockstep.engine, self.clock, self._tap
-        status = None if tap is None else LockstepStatus(self._graph, engine, tap, self._run_id, lambda: tap.dropped)
+        record, lockstep, clock, tap = self.record, self._lockstep, self.clock, self._tap
+        engine, status = lockstep.engine, None
+        if tap is not None:
+            dropped, states = (lambda: tap.dropped), (lambda: lockstep.process_states)
+            status = told = LockstepStatus(self._graph, engine, tap, self._run_id, dropped, states)
+            lockstep.while_waiting = lambda: told.look(engine.utime, clock.behind_s)
 
         def before_tick(utime: int) -> bool:
             on_tick(utime)
@@ -230,7 +234,7 @@ class _LockstepRun:
                 forecast.before_tick(utime)
             clock.advance(utime)
             if status is not None:
-                status.before_tick(utime, clock.behind_s)
+                status.look(utime, clock.behind_s)
             if should_stop():
                 return False
             if self._changes is not None:
@@ -240,13 +244,15 @@ class _LockstepRun:
         try:
             with record.failures.noted():
                 self.writer.write(About.CHANNEL, 0, self._about())
-                self._lockstep.reset(self._graph.run.seed)
+                lockstep.reset(self._graph.run.seed)
                 self._started_s = time.monotonic()
                 if self._changes is not None:
-                    self._changes.begin(self._lockstep)
-                record.outcome = self._lockstep.run(self._graph.run.until_s, before_tick)
+                    self._changes.begin(lockstep)
+                record.outcome = lockstep.run(self._graph.run.until_s, before_tick)
         except KeyboardInterrupt:
             record.outcome = Outcome.STOPPED
+        if status is not None and lockstep.process_states:
+            status.publish(engine.utime, clock.behind_s)  # says which process is gone
         with record.failures.noted():
             engine.give_stops(engine.sinks)
         record.read_scores()

@@ -2,6 +2,7 @@
 
 import { printable, setClass, setText, svg } from "./dom.js";
 import * as format from "./format.js";
+import { shownProcess } from "./processes.js";
 
 const HEAD = 36;
 // Narrow windows scroll: the minimum legible scale is --graph-scale of the style sheet.
@@ -108,9 +109,9 @@ export class Graph {
     return group;
   }
 
-  // Messages of a wire overtaken at a reader, below the port's name.
+  // The process that a wire comes from, if it is another one, and its messages overtaken at the reader: below the port's name.
   reader(wire) {
-    const text = svg("text", { class: "lost bad", x: wire.end[0] + 9, y: wire.end[1] + 14 });
+    const text = svg("text", { class: "lost", x: wire.end[0] + 9, y: wire.end[1] + 14 });
     this.readers.push({ name: wire.reader, text });
     return text;
   }
@@ -121,18 +122,24 @@ export class Graph {
     const outputs = new Map((status?.outputs ?? []).map((output) => [output.name, output]));
     for (const port of this.ports) this.label(port, channels, chosen, inputs.get(port.ref), outputs.get(port.ref));
     const stages = new Map((status?.stages ?? []).map((stage) => [stage.name, stage]));
+    const homes = new Map();
+    for (const process of status?.processes ?? []) for (const name of process.stages) homes.set(name, process);
     for (const [name, box] of this.boxes) {
       const stage = stages.get(name);
       setText(box.usual, stage ? format.milliseconds(stage.p50_ms) : format.NONE);
       setText(box.worst, stage ? this.worst(stage) : "");
       setClass(box.worst, "bad", stage?.missed);
       setClass(box.group, "silent", Boolean(state.run?.silent));
-      setText(box.title, stage ? this.about(stage) : name);
+      setText(box.title, stage ? this.about(stage, homes.get(name)) : name);
     }
-    const overtaken = new Map((status?.edges ?? []).map((edge) => [edge.name, edge.overtaken]));
+    const edges = new Map((status?.edges ?? []).map((edge) => [edge.name, edge]));
     for (const reader of this.readers) {
-      const n = overtaken.get(reader.name);
-      setText(reader.text, n ? `${format.count(n)} overtaken` : "");
+      const edge = edges.get(reader.name);
+      const [from, to] = edge?.processes ?? [];
+      const says = from === to ? [] : [`from ${shownProcess(from)}`];
+      if (edge?.overtaken) says.push(`${format.count(edge.overtaken)} overtaken`);
+      setText(reader.text, says.join(" · "));
+      setClass(reader.text, "bad", edge?.overtaken);
     }
   }
 
@@ -163,11 +170,12 @@ export class Graph {
     return stage.missed ? `${format.count(stage.missed)} missed` : `p99 ${format.milliseconds(stage.p99_ms).replace(" ms", "")}`;
   }
 
-  about(stage) {
+  about(stage, process) {
     const deadline = stage.deadline_ms ? `, deadline ${format.milliseconds(stage.deadline_ms)}` : "";
     return `${stage.name} (${stage.use}): ${stage.steps} steps, ${format.rate(stage.rate_hz)}, ` +
       `p50 ${format.milliseconds(stage.p50_ms)}, p99 ${format.milliseconds(stage.p99_ms)}${deadline}, ` +
       `${stage.missed} missed, ${stage.overtaken} overtaken` +
-      (stage.restarts ? `, its process started again ${stage.restarts} times` : "");
+      (process ? `, in process ${shownProcess(process.name)}, ${process.state}` : "") +
+      (stage.restarts ? `, started again ${stage.restarts} times` : "");
   }
 }

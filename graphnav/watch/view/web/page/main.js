@@ -7,6 +7,7 @@ import { byId, setText } from "./dom.js";
 import { Floor } from "./floor.js";
 import { Graph } from "./graph.js";
 import { Heading } from "./heading.js";
+import { Processes } from "./processes.js";
 import { Timeline } from "./timeline.js";
 
 const IMAGE = "graphnav_lcm.image_t";
@@ -16,6 +17,7 @@ let state = null;
 let channels = new Map();
 
 const graph = new Graph(byId("graph-scroll"), open);
+const processes = new Processes();
 const table = new Channels(byId("channels").tBodies[0], open);
 const details = new Details((cursor) => {
   shown.cursor = cursor;
@@ -59,6 +61,7 @@ async function update(message, picture) {
     state = message.state;
     channels = new Map(state.channels.map((channel) => [channel.name, channel]));
     heading.update(state);
+    processes.update(state);
     if (state.log) {
       timeline.update(state.log);
       if (!state.run_id && channels.size > 0) {
