@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -26,6 +28,22 @@ LATE_ANSWERS = Path(__file__).parent / "late_answers.py"
 """A plugin with which a process answers each time after a random while."""
 PATIENCE_S = 60.0
 """Longer than anything takes on a busy machine."""
+OTHER_USER = 65_534
+CONNECT = f"""
+import os, socket, sys
+os.setgroups([])
+os.setgid({OTHER_USER})
+os.setuid({OTHER_USER})
+link = socket.socket(socket.AF_UNIX)
+try:
+    link.connect(sys.argv[1])
+    print("connected", flush=True)
+    link.sendall(bytes.fromhex(sys.argv[2]))
+    link.settimeout({PATIENCE_S})
+    print("answered" if link.recv(99) else "no answer")
+except OSError as error:
+    print("no answer" if isinstance(error, ConnectionError) else type(error).__name__)
+"""
 
 STEPS = """
 run: {{until_s: 3, seed: 5}}
@@ -105,6 +123,21 @@ def processes_of(probe: str) -> list[int]:
         if f"PROBE={probe}".encode() in variables and is_alive(pid := int(path.parent.name)):
             found.append(pid)
     return found
+
+
+class OtherUser:
+    """A program of another user that connects to a socket, as only root can start one, and sends something."""
+
+    def __init__(self, path: Path, said: bytes = b"") -> None:
+        command = [sys.executable, "-I", "-c", CONNECT, str(path), said.hex()]
+        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        assert self._process.stdout is not None
+        self.first = self._process.stdout.readline().strip()
+        """"connected", or the error."""
+
+    def end(self) -> str:
+        """Return what became of it: the error, or whether it was answered."""
+        return self._process.communicate(timeout=2 * PATIENCE_S)[0].strip() or self.first
 
 
 @pytest.fixture

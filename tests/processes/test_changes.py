@@ -20,9 +20,8 @@ from graphnav.core.cli import main
 from graphnav.core.messages import Changed
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import RunningRun
-from tests.processes.conftest import PATIENCE_S, STAGES, STEPS, wait_until
+from tests.processes.conftest import PATIENCE_S, STAGES, STEPS, OtherUser, wait_until
 
-OTHER_USER = 65_534
 GRAPH = STEPS.replace("until_s: 3", "until_s: null").replace("n: 25", "n: 1000000").replace("n: 1000,", "n: 1000000,")
 
 
@@ -245,36 +244,17 @@ def test_only_this_user_reaches_a_run(begin: Begin) -> None:
     assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
     if os.getuid():
         return
-    assert _as_other_user(path) == "PermissionError"
+    assert OtherUser(path).end() == "PermissionError"
     opened = [path.parent.parent.parent, path.parent.parent, path.parent]
     modes = [folder.stat().st_mode for folder in opened]
     for one in (*opened, path):
         one.chmod(0o777)
     try:
-        assert _as_other_user(path) == "no answer"
+        assert OtherUser(path).end() == "no answer"
     finally:
         for folder, mode in zip(opened, modes, strict=True):
             folder.chmod(mode)
     assert main(["set", "first.at=7"]) == 0
-
-
-def _as_other_user(path: Path) -> str:
-    """Return what becomes of a request of another user."""
-    code = f"""if True:
-        import os, socket
-        os.setgroups([])
-        os.setgid({OTHER_USER})
-        os.setuid({OTHER_USER})
-        link = socket.socket(socket.AF_UNIX)
-        try:
-            link.connect({str(path)!r})
-            link.settimeout(60)
-            print("answered" if link.recv(99) else "no answer")
-        except OSError as error:
-            print("no answer" if isinstance(error, ConnectionError) else type(error).__name__)
-    """
-    done = subprocess.run([sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True)
-    return done.stdout.strip()
 
 
 def test_nothing_is_left_of_a_run_that_was_killed(begin: Begin) -> None:
