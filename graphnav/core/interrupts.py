@@ -184,17 +184,17 @@ class Interrupt:
     """
 
     def __init__(self) -> None:
-        self._asked = threading.Event()
-        self._old: dict[int, Any] = {}
-
-    @property
-    def asked(self) -> bool:
+        self.asked = False
         """Whether the user asked the run to stop."""
-        return self._asked.is_set()
+        self._released = threading.Lock()
+        """Held until then. Not an event: a signal that comes while `wait` holds the lock of one would never return."""
+        self._released.acquire()
+        self._old: dict[int, Any] = {}
 
     def wait(self, seconds: float) -> None:
         """Sleep until the time has passed or the user asks to stop."""
-        self._asked.wait(seconds)
+        if self._released.acquire(timeout=max(0.0, seconds)):
+            self._released.release()
 
     def settle(self) -> None:
         """Disarm the timeout: the run itself has ended. Another Ctrl-C still interrupts what follows."""
@@ -217,7 +217,8 @@ class Interrupt:
 
     def _ask(self, number: int, _frame: FrameType | None) -> None:
         if not self.asked:
-            self._asked.set()
+            self.asked = True
+            self._released.release()
             signal.setitimer(signal.ITIMER_REAL, _PATIENCE_S)
         elif number != signal.SIGHUP:
             raise CtrlC
