@@ -55,6 +55,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     slow.addoption("--seeds", default="1000:1020", help="FIRST:END, END excluded, of slow tests (default 1000:1020)")
     slow.addoption("--jobs", type=int, default=2, help="drives at a time in a slow test (default 2)")
+    slow.addoption("--kills", type=int, default=20, help="how often a slow test kills each stage (default 20)")
+    slow.addoption("--minutes", type=float, default=30, help="how long a slow test lets a run go on (default 30)")
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -57,12 +57,22 @@ def seeing_graph(size: tuple[int, int], *, taught: bool) -> dict[str, Any]:
     }
 
 
-def passing_graph(count: int) -> dict[str, Any]:
-    """Return a chain of ``count`` stages that pass a command on."""
+def passing_graph(count: int, *, fans_out: bool = False) -> dict[str, Any]:
+    """Return a chain of ``count`` stages that pass a command on, or as many that read that of one source."""
     stages: dict[str, Any] = {"s0": {"use": "passing.start"}}
     for k in range(1, count + 1):
-        stages[f"s{k}"] = {"use": "passing.pass", "in": {"twist": f"s{k - 1}.twist"}}
+        stages[f"s{k}"] = {"use": "passing.pass", "in": {"twist": f"s{0 if fans_out else k - 1}.twist"}}
     return {"stages": stages}
+
+
+def message_us(scratch: Path, count: int, *, fans_out: bool = False) -> float:
+    """Return the median processor time of a message of such a graph, microseconds."""
+    lockstep, writer = lockstep_of(passing_graph(count, fans_out=fans_out), scratch)
+    tick_s(lockstep, _WARM_UP)
+    each_us = 1e6 * tick_s(lockstep, _STAGE_TICKS) / (count + 1)
+    lockstep.engine.close()
+    writer.close()
+    return each_us
 
 
 def lockstep_of(graph: dict[str, Any], scratch: Path, *, small: bool = False) -> tuple[Lockstep, LogWriter]:
@@ -114,16 +124,13 @@ def pixels() -> Iterator[str]:
 
 def stages() -> Iterator[str]:
     """Yield the rows of the table of numbers of stages."""
-    yield "| stages | us a tick | us a message |"
-    yield "|---|---|---|"
+    yield "| stages | chain: us a tick | us a message | fan-out: us a tick | us a message |"
+    yield "|---|---|---|---|---|"
     for count in COUNTS:
         with tempfile.TemporaryDirectory() as scratch:
-            lockstep, writer = lockstep_of(passing_graph(count), Path(scratch))
-            tick_s(lockstep, _WARM_UP)
-            each_us = 1e6 * tick_s(lockstep, _STAGE_TICKS)
-            lockstep.engine.close()
-            writer.close()
-        yield f"| {count} | {each_us:.0f} | {each_us / (count + 1):.1f} |"
+            each_us = [message_us(Path(scratch), count, fans_out=fans_out) for fans_out in (False, True)]
+        cells = " | ".join(f"{us * (count + 1):.0f} | {us:.1f}" for us in each_us)
+        yield f"| {count} | {cells} |"
 
 
 def length() -> Iterator[str]:

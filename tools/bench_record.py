@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -126,31 +126,43 @@ def publish(channels: tuple[str, ...], duration_s: float) -> dict[str, int]:
 
 def measure(channels: tuple[str, ...], duration_s: float, folder: Path, spy: str = SPY) -> list[Loss]:
     """Publish to raw python-lcm, record and one of the spies at once; return what each has and says."""
-    logs = {RAW: folder / "raw", RECORD: folder / "record"}
     for_s = _START_S + 3 * SETTLE_S + duration_s + 5.0
+    return listened("+".join(channels), (URL, PORT), lambda: publish(channels, duration_s), folder, spy, for_s)
+
+
+def listened(
+    load: str, group: tuple[str, int], send: Callable[[], dict[str, int]], folder: Path, spy: str, for_s: float
+) -> list[Loss]:
+    """Return what raw python-lcm, record and one of the spies have and say of what ``send`` sends on a group.
+
+    ``group``: its URL and port. ``send`` returns how many messages of each channel were sent. ``for_s``: how long
+    `spy --json` listens.
+    """
+    url, port = group
+    logs = {RAW: folder / "raw", RECORD: folder / "record"}
     commands = {
-        RAW: [sys.executable, "-c", RAW_LOGGER, URL, str(logs[RAW])],
-        RECORD: [str(GRAPHNAV), "record", URL, "-o", str(logs[RECORD]), "--force"],
+        RAW: [sys.executable, "-c", RAW_LOGGER, url, str(logs[RAW])],
+        RECORD: [str(GRAPHNAV), "record", url, "-o", str(logs[RECORD]), "--force"],
     }
     if spy == SPY:
-        commands[SPY] = [str(GRAPHNAV), "spy", URL, "--json", "--for", str(for_s)]
+        commands[SPY] = [str(GRAPHNAV), "spy", url, "--json", "--for", str(for_s)]
     screen = {}
     with ExitStack() as stack:
         processes = {
             name: stack.enter_context(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
             for name, command in commands.items()
         }
-        terminal = stack.enter_context(SpyTerminal(URL, 200, 50)) if spy == SCREEN else None
-        await_listeners(PORT, len(processes) + (terminal is not None), _START_S)
-        sent = publish(channels, duration_s)
+        terminal = stack.enter_context(SpyTerminal(url, 200, 50)) if spy == SCREEN else None
+        await_listeners(port, len(processes) + (terminal is not None), _START_S)
+        sent = send()
         if terminal is not None:
-            screen = {channel: terminal.cells(channel) for channel in channels}
+            screen = {channel: terminal.cells(channel) for channel in sent}
         for name in logs:
             processes[name].terminate()
         told = {name: process.communicate()[0] for name, process in processes.items()}
     return [
-        Loss("+".join(channels), channel, name, sent[channel], *found)
-        for channel in channels
+        Loss(load, channel, name, count, *found)
+        for channel, count in sent.items()
         for name, found in _found(channel, logs, told, screen)
     ]
 

@@ -1,11 +1,12 @@
-"""Stages that only pass something on: what a tick costs without work, and how long a picture is on its way."""
+"""Stages that only pass something on: what a tick costs without work, the way of a picture, many channels at once."""
 
 from __future__ import annotations
 
 import statistics
 import time
 from collections.abc import Mapping
-from typing import ClassVar
+from inspect import Parameter, Signature
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -29,6 +30,43 @@ class Pass(Stage):
     def step(self, twist: Twist) -> Twist:
         """Return the command."""
         return twist
+
+
+N_CHANNELS = 75
+Commands = NamedTuple("Commands", [(f"c{k}", Twist) for k in range(N_CHANNELS)])  # type: ignore[misc]
+"""Outputs of `Send`: as many channels."""
+
+
+class Send(Source):
+    """Publishes a command on each of its channels."""
+
+    def step(self) -> Commands:
+        """Return commands that drive."""
+        return Commands(*[Twist(v_mps=0.1, omega_radps=0.0)] * N_CHANNELS)
+
+
+class Take(Stage):
+    """Counts the sets of commands that arrive."""
+
+    metrics: ClassVar[tuple[Metric, ...]] = (Metric("sets", better="neither", help="How many sets arrived."),)
+
+    def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
+        """Forget what has arrived."""
+        self._n = 0
+
+    def step(self, **_: Twist) -> None:
+        """Count a set."""
+        self._n += 1
+
+    def summary(self) -> Mapping[str, float]:
+        """Return the count."""
+        return {"sets": float(self._n)}
+
+
+Take.step.__annotations__ = {**dict.fromkeys(Commands._fields, Twist), "return": None}
+Take.step.__signature__ = Signature(  # type: ignore[attr-defined]
+    [Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in ("self", *Commands._fields)]
+)
 
 
 class Show(Source):
@@ -86,4 +124,4 @@ def hop_statistics(hops_us: list[float]) -> dict[str, float]:
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return them."""
-    return [Start, Pass, Show, Arrive]
+    return [Start, Pass, Send, Take, Show, Arrive]

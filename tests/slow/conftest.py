@@ -39,6 +39,18 @@ def jobs(pytestconfig: pytest.Config) -> int:
 
 
 @pytest.fixture(scope="session")
+def kills(pytestconfig: pytest.Config) -> int:
+    """Return how often each stage is killed."""
+    return int(pytestconfig.getoption("--kills"))
+
+
+@pytest.fixture(scope="session")
+def minutes(pytestconfig: pytest.Config) -> float:
+    """Return how long a run goes on."""
+    return float(pytestconfig.getoption("--minutes"))
+
+
+@pytest.fixture(scope="session")
 def drive_all(jobs: int) -> DriveAll:
     """Return a function that drives a graph with some swaps over seeds: once a session."""
     return cache(lambda graph, seeds, sets: drives.drive_all(graph, seeds, sets, jobs))

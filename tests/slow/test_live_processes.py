@@ -1,26 +1,29 @@
-"""Live drives with a process for each stage: arrivals, processes killed and suspended, latency, replays."""
+"""Live drives with a process for each stage: arrivals, processes killed and suspended, latency, load, replays."""
 
 from __future__ import annotations
 
 import os
+import random
 import re
 import signal
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
 from testbed.drives import GRAPHNAV
-from testbed.processes import drives_forward, hear
-from testbed.rig import Rig
+from testbed.processes import drives_forward, hear, running
+from testbed.rig import Rig, summary_of
 
-from graphnav import Recording, State
+from graphnav import Recording, State, Status
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import load_graph
 from graphnav.core.run_folder import RunFolder
@@ -43,6 +46,19 @@ STANDS_MPS = 0.01
 WAIT_S = 10.0
 """Longer than it takes to drive on."""
 OVERTAKEN = "flow.image"
+MAX_PENDING = 2
+"""A frame in a step that was broken off at the end of the run, and one that waited for it."""
+CLOCKED = "guard"
+"""The stage that fires by its own timer, too."""
+PER_DRIVE = 14
+"""Processes that are killed in one drive, at most."""
+MAX_PAUSE_S = 6.0
+"""Between two kills, at most; less than it takes to come back is drawn, too."""
+KILLED_DRIVE_S = 400.0
+STEADY_S, RATE_HZ = 60.0, 10
+FROM_S = 5.0
+"""Frames are counted from here on: before, odometry may not have come yet."""
+BURN = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\nwhile True: pass"
 
 
 class Harm(NamedTuple):
@@ -160,7 +176,7 @@ def _harmed(folder: Path, seed: int, kind: str) -> Drive:
     with Rig(folder, 1 + seed % 100, seed, ("--set", "robot.state_hz=100")) as rig:
         run = folder / "navigation-0"
         navigation = rig.navigate(str(_graph(folder)))
-        hear(rig.graph_url, "BASE_CMD", drives_forward)
+        _await_speed(rig)
         n_descriptors: list[int] = []
         pids = set(_pids(run).values())
         for stage in STAGES:
@@ -173,8 +189,7 @@ def _harmed(folder: Path, seed: int, kind: str) -> Drive:
                 os.kill(pid, signal.SIGSTOP)
                 time.sleep(SUSPENDED_S)
                 os.kill(pid, signal.SIGCONT)
-            hear(rig.graph_url, "BASE_CMD", drives_forward)
-            time.sleep(1.0)
+            _await_speed(rig)
             pids |= set(_pids(run).values())
             n_descriptors.append(_n_descriptors(navigation.pid))
         robot, graph = rig.finish()
@@ -188,6 +203,12 @@ def _harmed(folder: Path, seed: int, kind: str) -> Drive:
     lasting_s = SUSPENDED_S if kind == "suspended" else 0.0
     harms = [_harm(stage, begin_s, states, lasting_s) for stage, begin_s in begun.items()]
     return Drive(robot["outcome"], has_contact, harms, back_s, restarts, n_left, n_more)
+
+
+def _await_speed(rig: Rig) -> None:
+    """Wait until the robot is told to drive, and has the time to become fast."""
+    hear(rig.graph_url, "BASE_CMD", drives_forward)
+    time.sleep(1.0)
 
 
 def _is_back(run: Path, stage: str, pid: int) -> bool:
@@ -211,6 +232,140 @@ def _harm(stage: str, begin_s: float, states: Sequence[tuple[float, State]], las
 
 def _speed_before(after: Sequence[tuple[float, State]]) -> float:
     return after[0][1].v_mps if after else 0.0
+
+
+class Killed(NamedTuple):
+    """A drive in which stages were killed at random moments."""
+
+    outcome: str
+    has_contact: bool
+    n_kills: int
+    n_ended: int
+    """Processes of which the run tells that they ended before it did."""
+    left: Sequence[str]
+    """Stages that were to be killed when the drive ended."""
+    n_left: int
+    n_more: int
+
+
+def test_each_stage_is_killed_many_times_at_random_moments(
+    targets: Targets, seeds: range, jobs: int, kills: int, tmp_path: Path, sockets: Path
+) -> None:
+    """Drives, until each stage was killed ``--kills`` times; some while they are being started again."""
+    left = [stage for stage in STAGES for _ in range(kills)]
+    random.Random(seeds[0]).shuffle(left)
+    numbers = count(seeds[0])
+    drives = list[Killed]()
+    while left:
+        parts = [(next(numbers), left[k : k + PER_DRIVE]) for k in range(0, len(left), PER_DRIVE)]
+        with ThreadPoolExecutor(jobs) as pool:
+            made = list(pool.map(lambda part: _killed(tmp_path / f"{part[0]}", *part), parts))
+        drives += made
+        left = [stage for drive in made for stage in drive.left]
+    n_goals, n_contacts = (
+        sum(column) for column in zip(*((d.outcome == "goal", d.has_contact) for d in drives), strict=True)
+    )
+    n_kills, n_ended, n_left, n_more = (
+        sum(column)
+        for column in zip(*((d.n_kills, d.n_ended, d.n_left, max(0, d.n_more)) for d in drives), strict=True)
+    )
+    n_sockets = len(list(sockets.glob("graphnav-*")))
+    targets.check(
+        f"{n_kills} kills, {kills} of each of {len(STAGES)} stages, in {len(drives)} drives: {n_goals} arrive, "
+        f"{n_contacts} contacts; {n_ended} ends told; left behind: {n_left} processes, {n_sockets} sockets, {n_more} "
+        "descriptors",
+        good=n_goals >= MIN_SHARE * len(drives)
+        and n_kills == n_ended == kills * len(STAGES)
+        and not (n_contacts or n_left or n_sockets or n_more),
+    )
+
+
+def _killed(folder: Path, seed: int, stages: Sequence[str]) -> Killed:
+    """Drive, and kill stages one after another."""
+    drawn, left = random.Random(seed), list(stages)
+    robot_options = ("--set", "robot.state_hz=100")
+    with Rig(folder, 1 + seed % 100, seed, robot_options, KILLED_DRIVE_S) as rig:
+        run = folder / "navigation-0"
+        navigation = rig.navigate(str(_graph(folder)))
+        hear(rig.graph_url, "BASE_CMD", drives_forward)
+        pids = set(_pids(run).values())
+        n_descriptors = _n_descriptors(navigation.pid)
+        while left and rig.is_driving:
+            time.sleep(drawn.uniform(0.0, MAX_PAUSE_S))
+            found = _pids(run)
+            pids |= set(found.values())
+            if left[-1] in found and rig.is_driving:
+                os.kill(found[left.pop()], signal.SIGKILL)
+        wait_until(lambda: _pids(run).keys() == set(STAGES))
+        pids |= set(_pids(run).values())
+        n_more = _n_more(navigation.pid, n_descriptors)
+        robot, graph = rig.finish(KILLED_DRIVE_S + 30)
+    n_ended = sum(len(told["ended"]) for told in graph["processes"].values())
+    has_contact = any(state.contact for _, state in _states(folder / "robot"))
+    n_left = sum(map(is_alive, pids))
+    return Killed(robot["outcome"], has_contact, len(stages) - len(left), n_ended, left, n_left, n_more)
+
+
+def _n_more(pid: int, n_before: int) -> int:
+    """Return how many descriptors a process has more than before, once those of a start are closed."""
+    end_s = time.monotonic() + WAIT_S
+    while (n_more := _n_descriptors(pid) - n_before) > 0 and time.monotonic() < end_s:
+        time.sleep(0.1)
+    return n_more
+
+
+def test_no_tick_is_missed_on_an_idle_machine(targets: Targets, seeds: range, tmp_path: Path) -> None:
+    """A minute at 10 Hz: frames that came, were lost and overtaken, and the steps of each stage of the chain."""
+    with Rig(tmp_path, 212, seeds[0], ("--set", "robot.ends=false"), STEADY_S + 60.0) as rig:
+        navigation = rig.navigate(options=("--processes", "--until", str(STEADY_S)))
+        navigation.wait(STEADY_S + 120.0)
+    summary = summary_of(tmp_path / "navigation-0")
+    with Recording(tmp_path / "navigation-0" / RunFolder.LOG) as log:
+        statuses = [m for _, _, m in log.messages(Status.CHANNEL) if isinstance(m, Status) and m.run_s >= FROM_S]
+    first, last = statuses[0], statuses[-1]
+    frames = _accepted(last) - _accepted(first)
+    due = round(RATE_HZ * (last.run_s - first.run_s))
+    steps = {name: n - _steps(first)[name] for name, n in _steps(last).items() if name != CLOCKED}
+    missed = {name: frames - n for name, n in steps.items() if abs(frames - n) > 1}  # one may be on its way
+    overtaken = {one["name"]: one["overtaken"] for one in last.edges if one["overtaken"]}
+    lost = next(one["lost"] for one in last.inputs if one["name"] == "camera.image")
+    targets.check(
+        f"{last.run_s - first.run_s:.1f} s at {RATE_HZ} Hz in {len(last.processes)} processes: {frames} frames came, "
+        f"{due} were due, {lost} lost; steps missed: {missed or 'none'}; overtaken: {overtaken or 'none'}",
+        good=abs(frames - due) <= 1 and not (lost or missed or overtaken) and summary["outcome"] == "timeout",
+    )
+
+
+def _accepted(status: Status) -> int:
+    return int(next(one["accepted"] for one in status.inputs if one["name"] == "camera.image"))
+
+
+def _steps(status: Status) -> dict[str, int]:
+    return {one["name"]: int(one["steps"]) for one in status.stages}
+
+
+def test_a_core_is_burnt(targets: Targets, seeds: range, tmp_path: Path) -> None:
+    """Drives while another program takes all that it gets of one core: they arrive, and each frame is accounted for."""
+    outcomes, came, stepped, overtaken = list[str](), 0, 0, 0
+    is_counted = True
+    with running([sys.executable, "-c", BURN], tmp_path / "burn.txt"):
+        for seed in seeds[:N_SEEDS]:
+            folder = tmp_path / f"{seed}"
+            with Rig(folder, 1 + seed % 100, seed) as rig:
+                rig.navigate(options=("--processes",))
+                robot, graph = rig.finish()
+            frames = next(one["accepted"] for one in graph["live"]["inputs"] if one["name"] == "camera.image")
+            dropped = next(one["overtaken"] for one in graph["live"]["edges"] if one["name"] == OVERTAKEN)
+            steps = graph["stages"]["flow"]["steps"]
+            outcomes.append(robot["outcome"])
+            came, stepped, overtaken = came + frames, stepped + steps, overtaken + dropped
+            is_counted &= 0 <= frames - steps - dropped <= MAX_PENDING
+    goals = outcomes.count("goal")
+    targets.check(
+        f"with a core burnt {goals} of {len(outcomes)} arrive; of {came} frames {stepped} were used and {overtaken} "
+        f"overtaken, {came - stepped - overtaken} were pending at the ends",
+        good=goals >= MIN_SHARE * len(outcomes) and is_counted,
+    )
 
 
 def test_a_stage_that_ends_at_each_start_is_given_up(targets: Targets, tmp_path: Path) -> None:

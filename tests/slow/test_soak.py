@@ -1,4 +1,4 @@
-"""Memory, open files and threads of programs that run for an hour."""
+"""Memory, open files and threads of programs that run for a long time."""
 
 from __future__ import annotations
 
@@ -8,14 +8,21 @@ import re
 import subprocess
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
+import pytest
 from testbed.drives import GRAPHNAV
 
+from graphnav.core.catalog import Catalog
+from graphnav.core.graph import load_graph
+from graphnav.core.run_folder import RunFolder
+from graphnav.core.runner import RunningRun
+from graphnav.processes.running_runs import processes_of
+from tests.processes.conftest import wait_until
 from tests.targets import Targets
 
 HOUR_S = 3600.0
@@ -24,6 +31,11 @@ _PERIOD_S = 5.0
 _MAX_RATIO, _MAX_MORE_MB = 1.03, 5.0
 _MAP = "maps/suite/laps.yaml"
 _ENDLESS = ("--until", "100000", "--no-pictures")
+_ROBOT = ("run", "robot_live", "--set", f"robot.map={_MAP}", *_ENDLESS)
+_LONG = ("--set", "drive.duration_s=100000", "--set", "run.record=small")
+_LAPS = ("run", "navigate/laps", "--pace", "1", *_LONG, *_ENDLESS)
+_SETTLE_S = 15.0
+"""Until helpers that start with the first message of their kind are there."""
 
 
 class Size(NamedTuple):
@@ -46,32 +58,70 @@ class Program(NamedTuple):
 def test_soak(targets: Targets, tmp_path: Path) -> None:
     """How programs grow: a lockstep run with its tap and a spy in an hour, a live pair in half an hour."""
     with ExitStack() as ending:
-        programs = list(_programs(tmp_path, ending))
-        begin_s = time.monotonic()
-        while (elapsed_s := time.monotonic() - begin_s) < HOUR_S:
-            for program in programs:
-                if elapsed_s < program.lasts_s:
-                    program.sizes.append(_size(program.pid))
-            time.sleep(_PERIOD_S)
+        _watch(programs := list(_programs(tmp_path, ending)), HOUR_S)
     for program in programs:
         _judge(targets, program)
 
 
+@pytest.mark.parametrize("mode", ["lockstep", "live"])
+def test_soak_over_processes(targets: Targets, minutes: float, tmp_path: Path, mode: str) -> None:
+    """How a run over processes grows in ``--minutes``: its own process, those of its stages, and its helpers."""
+    lasts_s, folder = 60.0 * minutes, tmp_path / "run"
+    with ExitStack() as ending:
+        if mode == "live":
+            _begun(ending, "live robot", lasts_s, _LIVE, *_ROBOT, "-o", str(tmp_path / "robot"))
+            words = ("run", "navigate_robot", *_ENDLESS)
+            run = _begun(ending, "live run", lasts_s, _LIVE, *words, "--processes", "-o", str(folder))
+        else:
+            run = _begun(ending, "lockstep run", lasts_s, _LOCKSTEP, *_LAPS, "--processes", "-o", str(folder))
+        wait_until((folder / RunFolder.LOG).exists)
+        begin_s = time.monotonic()
+        while len(_children(folder)) < len(_stages(folder)) or time.monotonic() - begin_s < _SETTLE_S:
+            time.sleep(_PERIOD_S)
+        programs = [run, *(Program(name, pid, lasts_s, []) for pid, name in _children(folder).items())]
+        _watch(programs, lasts_s)
+    for program in programs:
+        _judge(targets, program)
+
+
+def _stages(folder: Path) -> list[str]:
+    """Return the stages of the run in a folder."""
+    return [node.name for node in load_graph(folder / RunFolder.GRAPH, Catalog()).nodes]
+
+
+def _children(folder: Path) -> dict[int, str]:
+    """Return the processes that the run in a folder has started, and what they are."""
+    (run,) = [run for run in RunningRun.all() if run.folder == folder]
+    children = Path(f"/proc/{run.pid}/task").glob("*/children")
+    named = {int(pid): "helper of the run" for file in children for pid in file.read_text().split()}
+    return named | {process.pid: f"process '{process.name}'" for process in processes_of(run)}
+
+
+def _watch(programs: Sequence[Program], for_s: float) -> None:
+    """Note the sizes of programs again and again."""
+    begin_s = time.monotonic()
+    while (elapsed_s := time.monotonic() - begin_s) < for_s:
+        for program in programs:
+            if elapsed_s < program.lasts_s:
+                program.sizes.append(_size(program.pid))
+        time.sleep(_PERIOD_S)
+
+
 def _programs(scratch: Path, ending: ExitStack) -> Iterator[Program]:
     """Start the programs; yield them."""
-
-    def begun(name: str, lasts_s: float, url: str, *words: str) -> Program:
-        around = os.environ | {"LCM_DEFAULT_URL": url}
-        start = _in_terminal if words[0] == "spy" else _process
-        return Program(name, ending.enter_context(start([str(GRAPHNAV), *words], around)), lasts_s, [])
-
-    laps = ("navigate/laps", "--pace", "1", "--set", "drive.duration_s=100000", "--set", "run.record=small", *_ENDLESS)
-    yield begun("lockstep run with tap", HOUR_S, _LOCKSTEP, "run", *laps, "-o", str(scratch / "lockstep"))
-    yield begun("spy", HOUR_S, _LOCKSTEP, "spy")
+    yield _begun(ending, "lockstep run with tap", HOUR_S, _LOCKSTEP, *_LAPS, "-o", str(scratch / "lockstep"))
+    yield _begun(ending, "spy", HOUR_S, _LOCKSTEP, "spy")
     half_s = HOUR_S / 2
-    robot = ("robot_live", "--set", f"robot.map={_MAP}", *_ENDLESS)
-    yield begun("live robot", half_s, _LIVE, "run", *robot, "-o", str(scratch / "robot"))
-    yield begun("live driver", half_s, _LIVE, "run", "navigate_robot", *_ENDLESS, "-o", str(scratch / "driver"))
+    yield _begun(ending, "live robot", half_s, _LIVE, *_ROBOT, "-o", str(scratch / "robot"))
+    driver = ("run", "navigate_robot", *_ENDLESS, "-o", str(scratch / "driver"))
+    yield _begun(ending, "live driver", half_s, _LIVE, *driver)
+
+
+def _begun(ending: ExitStack, name: str, lasts_s: float, url: str, *words: str) -> Program:
+    """Start a program."""
+    around = os.environ | {"LCM_DEFAULT_URL": url}
+    start = _in_terminal if words[0] == "spy" else _process
+    return Program(name, ending.enter_context(start([str(GRAPHNAV), *words], around)), lasts_s, [])
 
 
 def _judge(targets: Targets, program: Program) -> None:
