@@ -8,6 +8,7 @@ python tools/gen_results.py --check                    say what the page claims 
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 import sys
 from collections.abc import Iterator
@@ -32,6 +33,8 @@ FILES = ("results.csv", "metrics.csv", "table.md")
 """Files of a study's folder that ship."""
 PICTURE = "decompose.png"
 """Ships, too, where a study has it."""
+_FOLDER = re.compile(r"(-o )\S*/(?=[^/\s`]+)")
+"""A study's folder in the command that its table names, up to its own name."""
 
 
 def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
@@ -53,6 +56,11 @@ def problems(page: Path = PAGE, folder: Path = RESULTS) -> Iterator[str]:
         yield "the tables are not fresh; run python tools/gen_results.py"
 
 
+def placeless(table: str) -> str:
+    """Return a study's table without the place of its folder on the machine that made it."""
+    return _FOLDER.sub(r"\1", table)
+
+
 def main() -> int:
     """Take over, generate, or check; return 1 if something is wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -68,6 +76,8 @@ def main() -> int:
         target.mkdir(exist_ok=True)
         for name in (*FILES, *([PICTURE] if (study / PICTURE).is_file() else [])):
             shutil.copyfile(study / name, target / name)
+        table = target / "table.md"
+        table.write_text(placeless(table.read_text(encoding="utf-8")), encoding="utf-8")
     PAGE.write_text(with_tables(with_rivals(PAGE.read_text(encoding="utf-8"))), encoding="utf-8")
     return 0
 

@@ -220,8 +220,8 @@ class Nonholonomic(Stage):
             near_m = float(map.obstacle_m_at(np.zeros(1), np.zeros(1))[0]) - self.robot_radius_m
             room_m = max(near_m, 0.0) + self.map_error_m
             v_mps = sign * min(abs(v_mps), safe_speed_mps(room_m, braking.near_mps2, braking.reaction_s))
-            kept = radius_m, self.robot_radius_m + _TURNING_MARGIN_M
-            v_mps = speed_around_mps(map, Twist(v_mps, twist.omega_radps), theta_rad, kept, braking)
+            within_m = radius_m, self.robot_radius_m + _TURNING_MARGIN_M
+            v_mps = speed_around_mps(map, Twist(v_mps, twist.omega_radps), theta_rad, within_m, braking)
         return Twist(v_mps=v_mps, omega_radps=twist.omega_radps)
 
 
@@ -244,13 +244,13 @@ def speed_around_mps(
     map: LocalMap,  # noqa: A002  # the port's name
     twist: Twist,
     theta_rad: float,
-    kept_m: tuple[float, float],
+    within_m: tuple[float, float],
     braking: Braking,
 ) -> float:
     """Return the highest of ten shares of a speed from which a disc that turns stops on its way, m/s.
 
     In time to come no nearer to obstacles than the straight way at ``theta_rad`` from forward does up to the same
-    distance, between the two of ``kept_m``, or than it is; 0 if none does. It drives on with the turning rate that it
+    distance, between the two of ``within_m``, or than it is; 0 if none does. It drives on with the turning rate that it
     has until it has got to the one of ``twist``. A slower disc drives a tighter arc. What comes after a quarter of a
     turn is not asked.
     """
@@ -272,7 +272,7 @@ def speed_around_mps(
     np.cumsum(sign * step_m * np.sin(middle_rad), axis=1, out=left_m[:, 1:])
     near_m = map.obstacle_m_at(forward_m, left_m)
     straight_m = map.obstacle_m_at(math.cos(theta_rad) * steps_m, math.sin(theta_rad) * steps_m)
-    limit_m = np.clip(np.minimum.accumulate(straight_m) - TOLERANCE_M, *kept_m)
+    limit_m = np.clip(np.minimum.accumulate(straight_m) - TOLERANCE_M, *within_m)
     blocked = near_m < np.minimum(limit_m, float(near_m[0, 0]) - TOLERANCE_M)
     stops = ~(blocked & (np.abs(turned_rad) <= math.pi / 2) & (steps_m <= stops_m[:, None])).any(axis=1)
     return sign * float(speeds_mps[np.argmax(stops)]) if stops.any() else 0.0

@@ -75,8 +75,8 @@ class Movers:
 
     An obstacle moves if a part of its cells was free floor before, away from all obstacles, and a shift explains where
     it came from: the smallest one with which nearly most of its cells fall on obstacles of before. It counts once the
-    looks of a tenth of a second, two at least, have found it with about the same velocity: what single ones take for a
-    mover is mostly none.
+    looks of a tenth of a second, two at least, have found it with about the same velocity: most of what a single look
+    finds does not move.
 
     Parameters
     ----------
@@ -98,8 +98,8 @@ class Movers:
         expected = [(track.now(look), track.since) for track in self._found]
         self._found = []
         for mover in self._seen(look, min_speed_mps):
-            since = [since for before, since in expected if mover.continues(before, self._cell_m)]
-            self._found.append(Track(look.utime, mover, look.corner, min(since, default=look.utime)))
+            begun = [since for before, since in expected if mover.continues(before, self._cell_m)]
+            self._found.append(Track(look.utime, mover, look.corner, min(begun, default=look.utime)))
         tracks = [track for track in self._found if look.utime - track.since >= _SURE_US]
         seen = [track.mover for track in tracks]
         for track in self._tracks:

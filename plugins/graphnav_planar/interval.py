@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from graphnav import Flow, Motion
 
-MAX_ERROR_RATIO = 0.01
+_MAX_ERROR_RATIO = 0.01
 """Tolerance, as a share of the flow's interval: a motion of other frames differs by far more."""
 _MAX_LONGER = 20
 """Flows in a row that may cover more than the motion, before that is taken for odometry of another rate."""
@@ -30,7 +30,7 @@ class IntervalCheck:
             like an obstacle, or hide one.
         """
         longer_us = flow.interval_us - motion.interval_us
-        if abs(longer_us) <= MAX_ERROR_RATIO * flow.interval_us:
+        if abs(longer_us) <= _MAX_ERROR_RATIO * flow.interval_us:
             self._n_longer = 0
             return True
         self._n_longer += 1
@@ -40,4 +40,5 @@ class IntervalCheck:
         raise ValueError(
             f"the motion covers {motion.interval_us} us, but the flow {flow.interval_us} us{why}; "
             "use odometry.motion, which interpolates odometry over the interval of the flow"
+            + (", or fewer or smaller images" if longer_us > 0 else "")
         )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from gen_results import PAGE as PAGE_OF_RESULTS
-from gen_results import problems
+from gen_results import placeless, problems
 from result_pages.claims import Claim, claims, listed_claims, unchecked
 from result_pages.expression import evaluate
 from result_pages.rivals import with_rivals
@@ -293,3 +293,8 @@ def test_the_section_on_rivals_is_written_from_the_results_with_a_check_of_each_
 
 def test_without_results_the_section_is_empty(tmp_path: Path) -> None:
     assert with_rivals(RIVALS.replace("-->\n<!-- end", "-->\nan old sentence\n<!-- end"), tmp_path) == RIVALS
+
+
+def test_a_table_that_is_taken_over_does_not_say_where_its_study_was() -> None:
+    command = "`graphnav ablate barn --seeds 3,9 -o {}barn --gallery 0`"
+    assert placeless(command.format("/home/me/studies/")) == placeless(command.format("")) == command.format("")

@@ -25,7 +25,7 @@ from graphnav import Age, BaseLimits, Latest, LocalMap, Stamp, Steering, Twist
 
 DrawMap = Callable[..., LocalMap]
 RADIUS_M = 0.2
-KEPT_M = RADIUS_M, RADIUS_M
+WITHIN_M = RADIUS_M, RADIUS_M
 """No margin on arcs."""
 PERIOD_US = 50_000
 AHEAD = Steering(
@@ -156,7 +156,7 @@ def test_on_its_way_it_stops_before_it_comes_too_near(
 ) -> None:
     map_ = draw_map(lambda x, y: np.hypot(x - post_m[0], y - post_m[1]) < 0.08)
     braking = Braking(ahead_mps2=2.0, near_mps2=4.0, reaction_s=0.1, turn_radps=has_radps, turn_radps2=12.0)
-    driven_mps = speed_around_mps(map_, Twist(v_mps, omega_radps), 0.0, KEPT_M, braking)
+    driven_mps = speed_around_mps(map_, Twist(v_mps, omega_radps), 0.0, WITHIN_M, braking)
     assert driven_mps * v_mps >= 0.0
     assert abs(driven_mps) <= abs(v_mps)
     if abs(driven_mps) < 1e-3:
@@ -181,28 +181,28 @@ def test_a_bend_that_would_end_in_a_post_is_driven_more_slowly_and_tighter(draw_
     # To the left of the way straight on: not in the way of a disc that does not turn, nor of one that turns tighter.
     post = draw_map(lambda x, y: np.hypot(x - 0.5, y - 0.35) < 0.08)
     assert free_way_m(post, RADIUS_M) > 1.0
-    assert 0.0 < speed_around_mps(post, fast, 0.0, KEPT_M, braking) < 1.2
-    assert speed_around_mps(draw_map(), fast, 0.0, KEPT_M, braking) == 1.2
+    assert 0.0 < speed_around_mps(post, fast, 0.0, WITHIN_M, braking) < 1.2
+    assert speed_around_mps(draw_map(), fast, 0.0, WITHIN_M, braking) == 1.2
     straight = Twist(v_mps=1.2, omega_radps=0.0)
-    assert speed_around_mps(post, straight, 0.0, KEPT_M, braking) == 1.2
+    assert speed_around_mps(post, straight, 0.0, WITHIN_M, braking) == 1.2
 
 
 def test_an_arc_keeps_as_much_as_the_straight_way_that_it_turns_to(draw_map: DrawMap) -> None:
     braking = Braking(ahead_mps2=2.0, near_mps2=4.0, reaction_s=0.1)
     slow, margin_m = Twist(v_mps=0.3, omega_radps=2.0), 0.1
-    kept_m = RADIUS_M, RADIUS_M + margin_m
+    within_m = RADIUS_M, RADIUS_M + margin_m
     # Ahead to the right, 0.12 m beside the disc: the arc to the left would pass it at less than the margin.
     post = draw_map(lambda x, y: np.hypot(x - 0.33, y + 0.2) < 0.08)
-    assert speed_around_mps(post, slow, math.pi / 3, KEPT_M, braking) == slow.v_mps
-    assert speed_around_mps(post, slow, math.pi / 3, kept_m, braking) < slow.v_mps, "what is left leads away from it"
-    assert speed_around_mps(post, slow, -0.2, kept_m, braking) == slow.v_mps, "what it turns to is as near to it"
+    assert speed_around_mps(post, slow, math.pi / 3, WITHIN_M, braking) == slow.v_mps
+    assert speed_around_mps(post, slow, math.pi / 3, within_m, braking) < slow.v_mps, "what is left leads away from it"
+    assert speed_around_mps(post, slow, -0.2, within_m, braking) == slow.v_mps, "what it turns to is as near to it"
 
 
 def test_a_base_that_still_turns_to_the_other_side_is_driven_more_slowly(draw_map: DrawMap) -> None:
     post = draw_map(lambda x, y: np.hypot(x - 0.4, y - 0.3) < 0.08)
     right = Twist(v_mps=1.0, omega_radps=-2.0)
     speeds_mps = [
-        speed_around_mps(post, right, 0.0, KEPT_M, Braking(2.0, 4.0, 0.1, has_radps, 6.0))
+        speed_around_mps(post, right, 0.0, WITHIN_M, Braking(2.0, 4.0, 0.1, has_radps, 6.0))
         for has_radps in (-2.0, 0.0, 2.0)
     ]
     assert speeds_mps[0] == 1.0
