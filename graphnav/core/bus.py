@@ -11,9 +11,9 @@ from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from graphnav.core.errors import BusError, NoRouteError
-from graphnav.core.large_messages.child import PACKET_BYTES
+from graphnav.core.large_messages.child import FORWARDED, NUMBERS, PACKET_BYTES, packets
 from graphnav.core.large_messages.sender import LargeSender
-from graphnav.core.machine.packet_filter import filter_packets
+from graphnav.core.machine.packet_filter import filter_packets, ignore_forwarded
 from graphnav.core.machine.receive_buffer import ReceiveBuffer, dropped_packets, own_sockets, receive_buffer_bytes
 from graphnav.core.notices import print_notice
 
@@ -21,6 +21,7 @@ Handler = Callable[[str, bytes], None]
 
 _HOST, _PORT = "239.255.76.67", 7667
 _MAX_TTL = 255
+_MAX_NAME_BYTES = 63
 _SELF_TEST = "LCM_SELF_TEST"
 _ALL = "(?s).*"
 """Also matches names with line breaks, unlike a plain dot."""
@@ -34,7 +35,9 @@ class Bus:
     subscriber. Queued messages are counted, which saves polling an empty queue. On `udpm://` they reach every process
     in the group, this one included.
 
-    ``notice`` is told if the process that `send` uses for large messages fails.
+    ``notice`` is told if the process that `send` uses for large messages fails. One that ``forwards`` messages of other
+    hosts marks what it sends by sequence numbers that receivers ignore (`FORWARDED`), and does not hear what any
+    program has marked: so nothing is forwarded twice, in whatever way the groups are joined.
 
     Raises BusError if LCM cannot be opened; without a multicast route the error names the command that adds one.
     """
@@ -44,7 +47,9 @@ class Bus:
     MAKE_ROUTE = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo"
     """The commands, run as root, that enable multicast on a machine without a network."""
 
-    def __init__(self, url: str = "memq://", notice: Callable[[str], None] = print_notice) -> None:
+    def __init__(
+        self, url: str = "memq://", notice: Callable[[str], None] = print_notice, *, forwards: bool = False
+    ) -> None:
         import lcm
 
         self.url = Bus.with_defaults(url)
@@ -60,12 +65,16 @@ class Bus:
         self._receives_all = False
         self._waiting = 0
         self._sockets: frozenset[str] = frozenset()
-        self._large = _large_sender(self.url, notice) if self.url.startswith("udpm:") else None
+        self._large = _large_sender(self.url, notice, forwards=forwards) if self.url.startswith("udpm:") else None
+        self._forwarder = _Forwarder(self.url) if forwards else None
 
     def publish(self, channel: str, data: bytes) -> None:
         """Send a message by LCM, all its packets at once; raises BusError if the network refuses it."""
         try:
-            self._lcm.publish(channel, data)
+            if self._forwarder is not None:
+                self._forwarder.publish(channel, data)
+            else:
+                self._lcm.publish(channel, data)
         except (OSError, RuntimeError, ValueError) as error:
             raise BusError(f"cannot publish {len(data)} bytes on '{channel}': {error}") from error
         if self._receives_all or channel in self._channels:
@@ -143,6 +152,10 @@ class Bus:
             return False
         return bool(self._lcm.handle_timeout(max(0, round(timeout_s * 1000))))
 
+    def fileno(self) -> int:
+        """Return a descriptor that is readable while messages wait, for a poll; only on `udpm://`."""
+        return int(self._lcm.fileno())
+
     def dropped_packets(self) -> int:
         """Return the number of packets that the kernel dropped for lack of buffer space; 0 on `memq://`."""
         return dropped_packets(self._sockets)
@@ -158,6 +171,8 @@ class Bus:
         self._subscriptions.clear()
         if self._large is not None:
             self._large.close()
+        if self._forwarder is not None:
+            self._forwarder.close()
         del self._lcm
 
     def _subscribe(self, pattern: str, handler: Handler, max_waiting: int = 0) -> None:
@@ -172,7 +187,11 @@ class Bus:
             self._sockets |= own_sockets() - others  # LCM opens its socket at the first subscription
         subscription.set_queue_capacity(max_waiting)
         if not self._subscriptions and self.url.startswith("udpm:"):
-            filter_packets(urlsplit(self.url).port or _PORT)
+            port = urlsplit(self.url).port or _PORT
+            if self._forwarder is None:
+                filter_packets(port)
+            else:
+                ignore_forwarded(port, self._sockets)
         self._subscriptions.append(subscription)
 
     @staticmethod
@@ -236,12 +255,39 @@ def fits_packet(channel: str, data: bytes) -> bool:
     return len(channel.encode("utf-8", "surrogateescape")) + 1 + len(data) <= PACKET_BYTES
 
 
-def _large_sender(url: str, notice: Callable[[str], None]) -> LargeSender:
+class _Forwarder:
+    """Sends messages with the sequence numbers of forwarded ones, all packets of one at once."""
+
+    def __init__(self, url: str) -> None:
+        *group, ttl = _destination(url)
+        self._group = tuple(group)
+        self._count = 0
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, ttl)
+
+    def publish(self, channel: str, data: bytes) -> None:
+        """Send a message; raises ValueError for a name that LCM would not take, OSError if the network refuses it."""
+        name = channel.encode("utf-8", "surrogateescape")
+        if len(name) > _MAX_NAME_BYTES or b"\0" in name:
+            raise ValueError("the channel name is too long, or has a null character")
+        self._count += 1
+        first, n_numbers = FORWARDED
+        for parts in packets(name, memoryview(data), first + self._count % n_numbers):
+            self._socket.sendmsg(parts, (), 0, self._group)
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+def _large_sender(url: str, notice: Callable[[str], None], *, forwards: bool) -> LargeSender:
+    return LargeSender(*_destination(url), notice, FORWARDED if forwards else NUMBERS)
+
+
+def _destination(url: str) -> tuple[str, int, int]:
+    """Return address, port and time to live of what is sent to a URL with its defaults."""
     parts = urlsplit(url)
     ttl = dict(parse_qsl(parts.query))["ttl"]
-    return LargeSender(
-        parts.hostname or _HOST, parts.port or _PORT, min(int(ttl), _MAX_TTL) if ttl.isdecimal() else 0, notice
-    )
+    return parts.hostname or _HOST, parts.port or _PORT, min(int(ttl), _MAX_TTL) if ttl.isdecimal() else 0
 
 
 def _is_multicast(host: str) -> bool:

@@ -44,6 +44,12 @@ GAP_S, SHORT_GAP_S = 1000e-6, 500e-6
 With 1 ms fewer are lost beside busy processes than with 0.5 ms, most of all by Java. Gigabit Ethernet takes 0.52 ms.
 """
 
+NUMBERS = (0, 2**32)
+"""The sequence numbers of packets: the first one, and how many there are before it comes again."""
+FORWARDED = (int.from_bytes(b"tun\0", "big"), 256)
+"""Those of messages that came from another host: what has them is not forwarded again. Of the numbers that other
+programs count through, 0 to 2**32 - 1, these are so few that their messages are lost to tunnels alone, and rarely."""
+
 _SHORT, _LONG = struct.Struct(">II"), struct.Struct(">IIIIHH")
 _SHORT_MAGIC, _LONG_MAGIC = 0x4C433032, 0x4C433033
 
@@ -71,14 +77,24 @@ def packets(channel: bytes, data: memoryview, number: int) -> Iterator[list[byte
 
 
 class Child:
-    """Sends what is ordered until ``orders`` closes and all is sent, or until the process ``parent`` ends."""
+    """Sends what is ordered until ``orders`` closes and all is sent, or until the process ``parent`` ends.
+
+    ``numbers``: as `NUMBERS`.
+    """
 
     def __init__(
-        self, orders: socket.socket, memory: mmap.mmap, network: socket.socket, group: tuple[str, int], parent: int
+        self,
+        orders: socket.socket,
+        memory: mmap.mmap,
+        network: socket.socket,
+        group: tuple[str, int],
+        parent: int,
+        numbers: tuple[int, int],
     ) -> None:
         self._orders, self._memory, self._network, self._group = orders, memory, network, group
         self._pending: deque[Order] = deque()
-        self._number = 0
+        self._first_number, self._n_numbers = numbers
+        self._count = 0
         self._due_s = 0.0
         self._is_open = True
         self._poll = select.poll()
@@ -115,10 +131,11 @@ class Child:
 
     def _send(self, order: Order) -> int:
         """Send a message; return the answer."""
-        self._number = (self._number + 1) % 2**32
+        self._count += 1
+        number = self._first_number + self._count % self._n_numbers
         gap_s = SHORT_GAP_S if self._pending else GAP_S
         with memoryview(self._memory) as memory, memory[order.at : order.at + order.n_bytes] as data:
-            for parts in packets(order.channel, data, self._number):
+            for parts in packets(order.channel, data, number):
                 if (wait_s := self._due_s - time.monotonic()) > 0:
                     time.sleep(wait_s)
                 try:
@@ -137,14 +154,15 @@ class Child:
 
 def main() -> None:
     """Send for the program that started this process."""
-    orders_fd, memory_fd, parent, host, port, ttl = sys.argv[1:]
+    orders_fd, memory_fd, parent, host, port, ttl, first_number, n_numbers = sys.argv[1:]
     for number in (signal.SIGINT, signal.SIGHUP, signal.SIGQUIT):
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_SETMASK, [])  # blocked signals are inherited from the parent thread
     network = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     network.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, int(ttl))
     memory = mmap.mmap(int(memory_fd), MEMORY_BYTES, prot=mmap.PROT_READ)
-    Child(socket.socket(fileno=int(orders_fd)), memory, network, (host, int(port)), int(parent)).run()
+    numbers = int(first_number), int(n_numbers)
+    Child(socket.socket(fileno=int(orders_fd)), memory, network, (host, int(port)), int(parent), numbers).run()
 
 
 if __name__ == "__main__":

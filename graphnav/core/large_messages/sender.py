@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from graphnav.core.large_messages import child
-from graphnav.core.large_messages.child import ANSWER, MEMORY_BYTES, ORDER, OVERTAKEN, SENT
+from graphnav.core.large_messages.child import ANSWER, MEMORY_BYTES, NUMBERS, ORDER, OVERTAKEN, SENT
 
 _MAX_NAME_BYTES = 63
 _MAX_PENDING = 64
@@ -40,14 +40,17 @@ class LargeSender:
 
     The process starts with the first message, or with `start`, and ends with `close` or with this process, however that
     ends. If it dies or hangs it is started once more, then given up; ``notice`` is told. One thread owns this object.
+    ``numbers``: see `NUMBERS`.
     """
 
-    def __init__(self, host: str, port: int, ttl: int, notice: Callable[[str], None]) -> None:
+    def __init__(
+        self, host: str, port: int, ttl: int, notice: Callable[[str], None], numbers: tuple[int, int] = NUMBERS
+    ) -> None:
         self.overtaken: Counter[str] = Counter()
         """By channel: messages that were not sent, because a newer one was pending or the process died."""
         self.refusal = 0
         """Error number of the last message that the network refused; 0 if there was none since it was set to 0."""
-        self._address = host, port, ttl
+        self._address = host, port, ttl, *numbers
         self._notice = notice
         self._pending: deque[_Pending] = deque()
         self._process: subprocess.Popen[bytes] | None = None
