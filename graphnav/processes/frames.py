@@ -1,4 +1,7 @@
-"""Frames between a run and its processes: their length first, then what is meant as JSON, then messages as they are."""
+"""Frames between processes: their length first, then what is meant as JSON, then messages as they are.
+
+Between a run and its processes, and between hosts (`host_link`); numbers are little-endian.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,9 @@ from typing import Any, NamedTuple
 MAX_BYTES = 1 << 30
 """The largest frame; a longer one is not accepted."""
 
-_LENGTH = struct.Struct("=I")
-_HEADER = struct.Struct("=BII")
-_SIZE = struct.Struct("=I")
+_LENGTH = struct.Struct("<I")
+_HEADER = struct.Struct("<BII")
+_SIZE = struct.Struct("<I")
 _JOINED_BYTES = 1 << 16
 """Smaller frames are copied into one piece, which costs less than a list of pieces."""
 _MAX_PIECES = 512
@@ -66,16 +69,19 @@ def receive(link: socket.socket) -> Frame:
     ValueError
         It sent something else.
     """
-    return _unpacked(_received(link, _n_bytes(_received(link, _LENGTH.size))))
+    return _unpacked(_received(link, _n_bytes(_received(link, _LENGTH.size), MAX_BYTES)))
 
 
 class Link:
-    """The run's side of the connection to a process, which never waits for the other side.
+    """A side of a connection that never waits for the other side.
 
-    It owns the socket.
+    It owns the socket. A frame of more than ``max_bytes`` is refused before there is memory for it; ``n_received``
+    counts bytes, also of frames that are not complete.
     """
 
-    def __init__(self, connection: socket.socket) -> None:
+    def __init__(self, connection: socket.socket, max_bytes: int = MAX_BYTES) -> None:
+        self.max_bytes = max_bytes
+        self.n_received = 0
         self._socket = connection
         connection.settimeout(0.0)
         self._unsent: list[memoryview] = []
@@ -113,7 +119,7 @@ class Link:
             while True:
                 self._read()
                 data, was_length = self._data, self._reads_length
-                n_bytes = _n_bytes(data) if was_length else _LENGTH.size
+                n_bytes = _n_bytes(data, self.max_bytes) if was_length else _LENGTH.size
                 self._data, self._at, self._reads_length = _piece(n_bytes), 0, not was_length
                 if not was_length:
                     return _unpacked(data)
@@ -126,16 +132,17 @@ class Link:
             if not n_more:
                 raise EOFError
             self._at += n_more
+            self.n_received += n_more
 
 
 def _piece(n_bytes: int) -> memoryview:
     return memoryview(bytearray(n_bytes))
 
 
-def _n_bytes(data: memoryview) -> int:
+def _n_bytes(data: memoryview, max_bytes: int) -> int:
     (n_bytes,) = _LENGTH.unpack(data)
-    if not _HEADER.size <= n_bytes <= MAX_BYTES:
-        raise ValueError(f"a frame of {n_bytes} bytes, expected {_HEADER.size} to {MAX_BYTES}")
+    if not _HEADER.size <= n_bytes <= max_bytes:
+        raise ValueError(f"a frame of {n_bytes} bytes, expected {_HEADER.size} to {max_bytes}")
     return int(n_bytes)
 
 
@@ -145,7 +152,10 @@ def _unpacked(data: memoryview) -> Frame:
     at = _HEADER.size + n_messages * _SIZE.size
     if at + n_head > n_bytes:
         raise ValueError(f"a frame of {n_bytes} bytes that says it holds {at + n_head} or more")
-    head = json.loads(bytes(data[at : at + n_head]))
+    try:
+        head = json.loads(bytes(data[at : at + n_head]))
+    except RecursionError as error:
+        raise ValueError("a frame that is nested too deeply") from error
     at += n_head
     messages = []
     for k in range(n_messages):
@@ -159,7 +169,7 @@ def _unpacked(data: memoryview) -> Frame:
 
 def _packed(frame: Frame) -> Sequence[bytes]:
     head = json.dumps(frame.head, separators=(",", ":")).encode()
-    sizes = struct.pack(f"={len(frame.messages)}I", *map(len, frame.messages))
+    sizes = struct.pack(f"<{len(frame.messages)}I", *map(len, frame.messages))
     header = _HEADER.pack(frame.kind, len(head), len(frame.messages)) + sizes + head
     n_bytes = len(header) + sum(map(len, frame.messages))
     if n_bytes > MAX_BYTES:

@@ -1,4 +1,4 @@
-"""What was forwarded from another host is heard by everyone, but forwarded by nobody again."""
+"""A message that was forwarded from another host is heard by all programs, and forwarded by none of them again."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def test_a_frame_arrives_as_it_was_sent(
 
 
 def test_the_end_of_the_other_side_is_told(links: tuple[socket.socket, socket.socket]) -> None:
-    links[0].sendall(struct.pack("=I", 100) + b"begun")
+    links[0].sendall(struct.pack("<I", 100) + b"begun")
     links[0].close()
     with pytest.raises(EOFError):
         receive(links[1])
@@ -78,19 +78,30 @@ def test_a_link_waits_neither_for_a_reader_nor_for_the_rest_of_a_frame(
 @pytest.mark.parametrize(
     "data",
     [
-        struct.pack("=I", 2**31),
-        struct.pack("=I", 3),
-        struct.pack("=IBII", 11, 2, 4_000_000, 0) + b"{}",
-        struct.pack("=IBII", 11, 2, 2, 1_000_000) + b"{}",
-        struct.pack("=IBIII", 17, 2, 2, 1, 9) + b"{}aa",
-        struct.pack("=IBII", 11, 2, 2, 0) + b"{,",
+        struct.pack("<I", 2**31),
+        struct.pack("<I", 3),
+        struct.pack("<IBII", 11, 2, 4_000_000, 0) + b"{}",
+        struct.pack("<IBII", 11, 2, 2, 1_000_000) + b"{}",
+        struct.pack("<IBIII", 17, 2, 2, 1, 9) + b"{}aa",
+        struct.pack("<IBII", 11, 2, 2, 0) + b"{,",
+        struct.pack("<IBII", 100_009, 2, 100_000, 0) + b"[" * 100_000,
     ],
-    ids=["long", "short", "head", "number", "size", "json"],
+    ids=["long", "short", "head", "number", "size", "json", "deep"],
 )
 def test_what_is_no_frame_is_refused(links: tuple[socket.socket, socket.socket], data: bytes) -> None:
     links[0].sendall(data)
     with pytest.raises(ValueError, match=r"frame|Expecting"):
         receive(links[1])
+
+
+def test_a_link_takes_no_longer_frames_than_it_is_told(links: tuple[socket.socket, socket.socket]) -> None:
+    link, frame = Link(links[0], max_bytes=100), Frame(Kind.FIRE, "a" * 89)
+    send(links[1], frame)
+    assert link.receive() == frame
+    assert link.n_received == 104
+    send(links[1], Frame(Kind.FIRE, "a" * 90))
+    with pytest.raises(ValueError, match="a frame of 101 bytes, expected 9 to 100"):
+        link.receive()
 
 
 def test_the_other_side_is_known(links: tuple[socket.socket, socket.socket]) -> None:
