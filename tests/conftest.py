@@ -44,6 +44,8 @@ _FIRST_PORT, _N_PORTS = 10_000, 20_000
 _SLOW = Path(__file__).parent / "slow"
 _LATEST_S = pytest.StashKey[float]()
 _URL = f"udpm://239.255.77.{os.getpid() % 250 + 1}:{_FIRST_PORT + os.getpid() % _N_PORTS}?ttl=0"
+_FAR_PORT = _FIRST_PORT + (os.getpid() + _N_PORTS // 2) % _N_PORTS
+_FAR_URL = f"udpm://239.255.78.{os.getpid() % 250 + 1}:{_FAR_PORT}?ttl=0"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -211,6 +213,12 @@ def group() -> str:
     except BusError as error:
         pytest.skip(str(error))
     return _URL
+
+
+@pytest.fixture(scope="session")
+def far_group(group: str) -> str:
+    """Return a second multicast group of this process, which stands in for that of another host."""
+    return _FAR_URL
 
 
 @pytest.fixture(scope="session")

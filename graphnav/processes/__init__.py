@@ -7,5 +7,6 @@ COMMANDS = {
     "set": "set parameters of stages of a running run",
     "swap": "swap stages of a running run",
     "restart": "restart a stage of a running run",
+    "tunnel": "join the LCM group of another host with this one's, channel by channel",
 }
 """Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""

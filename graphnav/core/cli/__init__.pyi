@@ -5,7 +5,7 @@ from .command_line import COMMANDS, command_called, commands, main
 from .opened_log import damage_told, opened
 from .options import FailureReport, Options
 from .progress import progress_bar
-from .quantities import MAX_FACTOR, channel_name, counted, positive
+from .quantities import MAX_FACTOR, channel_name, counted, port_number, positive
 from .status import Exit
 from .status_line import StatusLine
 from .type_names import short_type
@@ -25,6 +25,7 @@ __all__ = [
     "damage_told",
     "main",
     "opened",
+    "port_number",
     "positive",
     "progress_bar",
     "short_type",

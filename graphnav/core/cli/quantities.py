@@ -1,4 +1,4 @@
-"""Parse a rate or a channel's name given as an option; format ``1 message``."""
+"""Parse a rate, a port or a channel's name given as an option; format ``1 message``."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import argparse
 
 MAX_FACTOR = 1e6
 """The maximum of rates, speeds and factors that options take; the inverse is the minimum."""
+_MAX_PORT_DIGITS = 5
 
 
 def positive(text: str) -> float:
@@ -16,6 +17,13 @@ def positive(text: str) -> float:
     except ValueError:
         pass
     raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0, from {1 / MAX_FACTOR:g} to {MAX_FACTOR:g}")
+
+
+def port_number(text: str) -> int:
+    """Parse a TCP port."""
+    if text.isdecimal() and text.isascii() and len(text) <= _MAX_PORT_DIGITS and int(text) < 65536:
+        return int(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is not a port: write a number from 0 to 65535")
 
 
 def channel_name(text: str) -> str:

@@ -1,4 +1,4 @@
-"""Parse the values of options: ``100MB``, ``12.3s``, a port."""
+"""Parse the values of options: ``100MB``, ``12.3s``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from graphnav.core.record import Split
 
 _MAX_BYTES = 1e18
-_MAX_PORT_DIGITS = 5
 _PREFIXES = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
 _SIZE = re.compile(r"([0-9.]+) *([kmgt]?)(i?)b", re.IGNORECASE)
 _TIME = re.compile(r"([0-9.]+) *(s|min|h)?")
@@ -48,13 +47,6 @@ def period(text: str) -> float:
     if (value := log_time(text)) >= 1e-6:
         return value
     raise argparse.ArgumentTypeError(f"'{text}' is not a time above 0: write 0.5s")
-
-
-def port_number(text: str) -> int:
-    """Parse a TCP port."""
-    if text.isdecimal() and text.isascii() and len(text) <= _MAX_PORT_DIGITS and int(text) < 65536:
-        return int(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is not a port: write a number from 0 to 65535")
 
 
 def split(text: str) -> Split:

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 from graphnav import UserError
 from graphnav.core.api import Shared
-from graphnav.core.cli import CommandArguments, Exit, Options
+from graphnav.core.cli import CommandArguments, Exit, Options, port_number
 from graphnav.core.parameters import Parameter, command, flag
 from graphnav.watch.commands.options import FEED
-from graphnav.watch.commands.quantities import port_number
 
 if TYPE_CHECKING:
     from graphnav.core.catalog import Catalog

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from graphnav.core.cli import main
-from graphnav.core.cli.quantities import positive
+from graphnav.core.cli.quantities import port_number, positive
 from graphnav.core.parameters import COUNT, SEED_NUMBER, Integer, seconds
-from graphnav.watch.commands.quantities import log_time, period, port_number, size, split
+from graphnav.watch.commands.quantities import log_time, period, size, split
 
 NUMBERS = ["nan", "inf", "-inf", "1e308", "1e-300", "-1", "0", "9" * 5000, "1e400", "", "x", "²", "٣", "0x10", "1_0"]
 UNITS = ["", "s", "min", "h", "kB", "TiB"]
