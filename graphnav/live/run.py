@@ -33,6 +33,7 @@ from graphnav.core.runner import (
 from graphnav.live.clock import LiveClock
 from graphnav.live.connections import opened
 from graphnav.live.health.observer import Observer
+from graphnav.live.health.service_manager import ServiceManager
 from graphnav.live.health.status import Losses
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.playback import Playback
@@ -85,7 +86,8 @@ def run_live(
     CtrlC
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
-    run = _LiveRun(graph, folder.absolute(), live_url(graph, url), tap, run_id, on_failure, changes)
+    manager = ServiceManager(notice)
+    run = _LiveRun(graph, folder.absolute(), live_url(graph, url), tap, run_id, on_failure, changes, manager)
 
     def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
         run.begin(stages, keep, notice, calls, cleanup, None if start_processes is None else start_processes(interrupt))
@@ -106,9 +108,10 @@ class _LiveRun:
         run_id: str,
         on_failure: Callable[[GraphnavError], None],
         changes: Changes | None,
+        manager: ServiceManager,
     ) -> None:
         self._graph, self._folder, self._url, self._tap, self._run_id = graph, folder, url, tap, run_id
-        self._changes = changes
+        self._changes, self._manager = changes, manager
         self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured, changes)
         self._processes: RemoteProcesses | None = None
 
@@ -172,15 +175,19 @@ class _LiveRun:
     def _fire(self, on_time: Callable[[float], None], interrupt: Interrupt, should_stop: Callable[[], bool]) -> None:
         """Open what comes in and leaves, and fire the stages until the run ends."""
         graph, schedule, observer, playback = self._graph, self._schedule, self._observer, self._playback
+        manager = self._manager
         link = opened(graph, schedule, self._url, self._wake, observer)
         with link as motors, closing(Watchdog(schedule, observer.tell)):
             playback.start()
             sinks: list[Sink] = [self._writer] if self._tap is None else [self._writer, self._tap]
             if self._changes is not None:
                 self._changes.begin(schedule)
+            manager.tell_ready()
 
             def keep_going() -> bool:
+                manager.tell_turn()
                 if observer.look():
+                    manager.tell_status(observer.in_one_line())
                     on_time(self._clock.run_s())
                 if motors is not None:
                     motors.check()
@@ -195,6 +202,7 @@ class _LiveRun:
             try:
                 self.record.outcome = schedule.run(graph.run.until_s, keep_going, lambda: _is_over(graph, playback))
             finally:
+                manager.tell_end()
                 interrupt.settle()
                 observer.finish()
                 observer.tell_processes()

@@ -8,5 +8,6 @@ COMMANDS = {
     "swap": "swap stages of a running run",
     "restart": "restart a stage of a running run",
     "tunnel": "join the LCM group of another host with this one's, channel by channel",
+    "deploy": "write units with which systemd or Docker Compose keep a live graph running",
 }
 """Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""

@@ -17,7 +17,8 @@ def main() -> int:
     """Serve the run until it closes its side."""
     address, parent = sys.argv[1], int(sys.argv[2])
     _end_with(parent)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in (signal.SIGINT, signal.SIGTERM):  # sent to a group: this process ends with the run
+        signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_SETMASK, [])  # blocked signals are inherited from the parent thread
     link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     link.connect(address)

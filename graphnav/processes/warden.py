@@ -95,7 +95,7 @@ def _wait(parent: int) -> set[int] | None:
 def main() -> None:
     """Wait, then end what is left."""
     mark, folder, parent = sys.argv[1], sys.argv[2], int(sys.argv[3])
-    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGQUIT):
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_SETMASK, [])  # blocked signals are inherited from the parent thread
     groups = _wait(parent) if os.getppid() == parent else set()

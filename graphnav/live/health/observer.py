@@ -67,6 +67,14 @@ class Observer:
             self.tell(line)
         return True
 
+    def in_one_line(self) -> str:
+        """Return the newest status in short: since when it runs, and what is faulty."""
+        status = self.status
+        told = [(one["name"], one["fault"] or ("" if one["accepted"] else "no message yet")) for one in status.inputs]
+        told += [(one["name"], one["fault"]) for one in status.outputs]
+        faults = [f"{name}: {fault}" for name, fault in (*told, ("log", status.log_fault)) if fault]
+        return f"runs for {status.run_s:.0f} s; {'; '.join(faults) or 'no fault'}"
+
     def finish(self) -> None:
         """Make the last status, at the end of the run."""
         self._alarms.close()

@@ -26,7 +26,7 @@ from graphnav.live.motors.frames import FAILED, READY, Frame, FrameReader, Kind
 from graphnav.live.motors.motor import Motor
 from graphnav.live.motors.schedule import STOP_FOR_S
 
-_ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
+_ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGABRT)
 _CHUNK_BYTES = 65_536
 _COMMANDS, _OUT = 0, 1
 
