@@ -16,7 +16,7 @@ _PR_SET_PDEATHSIG = 1
 def main() -> int:
     """Serve the run until it closes its side."""
     address, parent = sys.argv[1], int(sys.argv[2])
-    _end_with(parent)
+    end_with(parent)
     for number in (signal.SIGINT, signal.SIGTERM):  # sent to a group: this process ends with the run
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_SETMASK, [])  # blocked signals are inherited from the parent thread
@@ -30,7 +30,7 @@ def main() -> int:
     return 0
 
 
-def _end_with(parent: int) -> None:
+def end_with(parent: int) -> None:
     """Let the kernel end this process with the thread that started it."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:

@@ -119,7 +119,9 @@ def read_key(path: Path) -> bytes:
             mode = os.fstat(found).st_mode
             text = file.read(_MAX_KEY_FILE_BYTES) if stat.S_ISREG(mode) else b""
     except FileNotFoundError as error:
-        hint = f"'graphnav tunnel --serve' on the other host makes one: copy it, with mode 0600, to {path}"
+        hint = (
+            f"'graphnav tunnel --serve' or 'run --host' on the other host makes one: copy it, with mode 0600, to {path}"
+        )
         raise UserError.of(f"there is no key in {path}", hint) from error
     except OSError as error:
         raise UserError.of(f"cannot read the key in {path}: {error.strerror}", "name another file: --key") from error

@@ -14,10 +14,10 @@ _CLOSE_S = 1.0
 class OutputLines:
     """Reads what a process prints until it ends, in a thread, and appends it to a file.
 
-    ``show`` gets each line with the name before it. A file that cannot be written is left out.
+    ``show`` gets each line with the name before it. A file that cannot be written is left out; None: there is none.
     """
 
-    def __init__(self, name: str, stream: IO[bytes], file: Path, show: Callable[[str], None]) -> None:
+    def __init__(self, name: str, stream: IO[bytes], file: Path | None, show: Callable[[str], None]) -> None:
         self._name, self._stream, self._file, self._show = name, stream, file, show
         self._thread = threading.Thread(target=self._read, name=f"graphnav output of {name}", daemon=True)
         self._thread.start()
@@ -32,7 +32,7 @@ class OutputLines:
         with self._stream:
             while line := self._stream.readline(_MAX_LINE):
                 try:
-                    if kept is None and is_writable:
+                    if kept is None and is_writable and self._file is not None:
                         self._file.parent.mkdir(exist_ok=True)
                         kept = self._file.open("ab", buffering=0)
                     if kept is not None:

@@ -11,6 +11,7 @@ from graphnav import Graph, Stage
 from graphnav.core.interrupts import Interrupt
 from graphnav.core.notices import print_notice
 from graphnav.core.runner import Lockstep, RemoteStage, Sink, Spans, StageCalls, Summary, run_recorded
+from graphnav.processes.hosts import Host
 from graphnav.processes.process_lockstep import ProcessLockstep
 from graphnav.processes.process_stage import ProcessStage
 from graphnav.processes.supervisor import Supervisor
@@ -23,13 +24,14 @@ def run_processes(
     *,
     notice: Callable[[str], None] = print_notice,
     supervised: Callable[[Supervisor], None] = lambda _: None,
+    hosts: Mapping[str, Host] | None = None,
     **options: Any,
 ) -> Summary:
     """Run ``graph`` once into ``folder`` as `run_recorded` does, with the stages of `Graph.deploy` in their processes.
 
     The log has the same bytes as that of one process. ``stages``: those that no process names are stepped here.
     ``notice`` also gets restarts, and what stages of other processes print. ``supervised`` gets the supervisor before
-    the processes start. ``options``: of `run_recorded`.
+    the processes start. ``hosts``: as of `Supervisor`. ``options``: of `run_recorded`.
 
     Raises
     ------
@@ -40,7 +42,7 @@ def run_processes(
     CtrlC
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
-    with closing(Supervisor(graph, folder.absolute(), notice)) as supervisor:
+    with closing(Supervisor(graph, folder.absolute(), notice, hosts=hosts)) as supervisor:
         supervised(supervisor)
 
         def make_lockstep(
@@ -66,11 +68,12 @@ def run_live_processes(
     *,
     notice: Callable[[str], None] = print_notice,
     supervised: Callable[[Supervisor], None] = lambda _: None,
+    hosts: Mapping[str, Host] | None = None,
     **options: Any,
 ) -> Summary:
     """Run ``graph`` live by ``run_live``, with the stages of `Graph.deploy` in their processes.
 
-    ``notice`` and ``supervised``: as of `run_processes`. ``options``: of ``run_live``.
+    ``notice``, ``supervised`` and ``hosts``: as of `run_processes`. ``options``: of ``run_live``.
 
     Raises
     ------
@@ -84,7 +87,8 @@ def run_live_processes(
     with ExitStack() as cleanup:
 
         def start(interrupt: Interrupt) -> tuple[Supervisor, Mapping[str, RemoteStage]]:
-            supervisor = cleanup.enter_context(closing(Supervisor(graph, folder.absolute(), notice, is_live=True)))
+            supervisor = Supervisor(graph, folder.absolute(), notice, is_live=True, hosts=hosts)
+            cleanup.enter_context(closing(supervisor))
             supervisor.is_asked_to_stop = lambda: interrupt.asked
             supervised(supervisor)
             supervisor.start()

@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-import os
 import select
 import signal
-import socket
-import subprocess
-import sys
-import tempfile
 import time
-from collections.abc import Callable, Collection, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
 from graphnav import Graph, GraphnavError
 from graphnav.core.graph import Part, part_yaml
 from graphnav.core.interrupts import CtrlC, ctrl_c_later
-from graphnav.core.machine import ONE_THREAD, peer_of
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import CODE, ProcessState, new_run_id, provenance
-from graphnav.processes import child
-from graphnav.processes.descriptors import is_readable
+from graphnav.processes import child, host_proxy
+from graphnav.processes.children import Children, Running
+from graphnav.processes.host_frames import fingerprint
+from graphnav.processes.hosts import Host, hosts_of
 from graphnav.processes.journal import Journal
 from graphnav.processes.output_lines import OutputLines
 from graphnav.processes.restarts import Restarts, ending
 from graphnav.processes.stage_process import StageProcess
-from graphnav.processes.warden import VARIABLE, end_marked, remove_folder
-from graphnav.processes.wardens import Wardens
 
 _END_S = 1.0
 """How long a process may take to end by itself."""
@@ -40,27 +33,26 @@ _INTERRUPT_S = 0.5
 """How long a step may take to end after it was interrupted."""
 
 
-class Running:
-    """One process of a `StageProcess`, from its start to its end."""
-
-    def __init__(self, popen: subprocess.Popen[bytes], mark: str, output: OutputLines) -> None:
-        self.popen, self.mark, self.output = popen, mark, output
-        self.pid_fd = os.pidfd_open(popen.pid)
-
-    def has_ended_within(self, seconds: float) -> bool:
-        """Wait for its end; it is not collected, so that its group is still its own."""
-        return is_readable(self.pid_fd, seconds)
-
-
 class Supervisor:
     """Owns the processes of a run; one thread uses it, the one that steps the stages.
 
     ``folder``: of the run. ``notice`` gets restarts, and what the stages print. ``is_asked_to_stop``: whether the user
     wants the run to end; then nothing is started any more. ``is_live``: a process that is started again is reset, and
-    not fed what the one before was given.
+    not fed what the one before was given. ``hosts``: where the hosts are that the graph names, None: as `hosts_of`
+    finds them. A process on a host is one here, which stands for it (`host_proxy`).
     """
 
-    def __init__(self, graph: Graph, folder: Path, notice: Callable[[str], None], *, is_live: bool = False) -> None:
+    def __init__(
+        self,
+        graph: Graph,
+        folder: Path,
+        notice: Callable[[str], None],
+        *,
+        is_live: bool = False,
+        hosts: Mapping[str, Host] | None = None,
+    ) -> None:
+        self._hosts = hosts_of(graph) if hosts is None else hosts
+        self._fingerprints = {name: fingerprint(graph, name) for name in self._hosts}
         self.is_asked_to_stop: Callable[[], bool] = lambda: False
         self.while_waiting: Callable[[], None] = lambda: None
         """Called whenever `wait` returns."""
@@ -95,17 +87,16 @@ class Supervisor:
         self._running: dict[str, Running] = {}
         self._epochs = dict.fromkeys(self.processes, 0)
         self._run = new_run_id()
-        self._sockets, self._listener = _listening(len(self.processes))
+        self._children = Children(self._run, len(self.processes))
         self._poll = select.poll()
-        self._poll.register(self._listener, select.POLLIN)
+        self._poll.register(self._children.listener, select.POLLIN)
         self._sending: set[str] = set()
-        self._wardens = Wardens(f"{self._run}/", self._sockets)
         self._is_closing = False
 
     @property
     def warden_pid(self) -> int:
         """The process of the warden."""
-        return self._wardens.pid
+        return self._children.warden_pid
 
     def pid_of(self, name: str) -> int | None:
         """Return the number of a process, None while there is none."""
@@ -141,7 +132,7 @@ class Supervisor:
             self._follow(name)
         wait_s = self._wait_s(0.0 if ended else timeout_s)
         ready = dict(self._poll.poll(wait_s * 1e3))
-        if self._listener.fileno() in ready:
+        if self._children.listener.fileno() in ready:
             self._accept()
         for name, process in self.processes.items():
             if process.link is not None and (events := ready.get(process.link.fileno())):
@@ -240,10 +231,7 @@ class Supervisor:
             with ctrl_c_later():
                 for name in list(self._running):
                     self._reap(name, scans=False)
-                self._listener.close()
-                end_marked(f"{self._run}/")
-                remove_folder(self._sockets)
-                self._wardens.close()
+                self._children.close()
                 if self._journal is not None:
                     self._journal.close()
 
@@ -274,38 +262,39 @@ class Supervisor:
     def _started(self, name: str) -> None:
         self._epochs[name] += 1
         self.processes[name].restarts = self._epochs[name] - 1
-        mark = f"{self._run}/{name}/{self._epochs[name]}"
-        marks = " ".join(filter(None, (os.environ.get(VARIABLE), mark)))
-        command = [sys.executable, "-u", "-P", "-m", child.__name__, self._listener.getsockname(), str(os.getpid())]
+        module, arguments = self._program(self.processes[name].part)
+        file = self._folder / RunFolder.OUTPUT / f"{name}.txt"
         with ctrl_c_later():
-            popen = subprocess.Popen(  # noqa: S603 - it is this program
-                command,
-                env=os.environ | ONE_THREAD | {VARIABLE: marks},
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
+            running = self._running[name] = self._children.start(
+                f"{name}/{self._epochs[name]}",
+                module,
+                arguments,
+                lambda stream: OutputLines(name, stream, file, self._notice),
             )
-            self._wardens.add(popen.pid)
-            assert popen.stdout is not None, "it has a pipe"
-            file = self._folder / RunFolder.OUTPUT / f"{name}.txt"
-            running = Running(popen, mark, OutputLines(name, popen.stdout, file, self._notice))
-            self._running[name] = running
             self._poll.register(running.pid_fd, select.POLLIN)
+
+    def _program(self, part: Part) -> tuple[str, Sequence[str]]:
+        """Return the module that a process runs, and its arguments."""
+        if part.host is None:
+            return child.__name__, ()
+        host = self._hosts[part.host]
+        where = (host.name, host.address, str(host.port), str(host.key))
+        return host_proxy.__name__, (*where, self._run, part.name, self._fingerprints[part.host])
 
     def _accept(self) -> None:
         """Take the connection of one of the processes; close that of any other."""
-        link, _ = self._listener.accept()
-        pid, user = peer_of(link)
-        for name, running in self._running.items():
-            if running.popen.pid == pid and user == os.getuid() and self.processes[name].link is None:
-                self._poll.register(link, select.POLLIN)
-                try:
-                    self.processes[name].connected(link)
-                except GraphnavError as error:
-                    self.end(name, f"cannot be started again: {error}")
-                return
-        link.close()
+        waiting = {
+            running.popen.pid: name for name, running in self._running.items() if self.processes[name].link is None
+        }
+        found = self._children.accept(waiting.keys())
+        if found is None:
+            return
+        name, link = waiting[found[0]], found[1]
+        self._poll.register(link, select.POLLIN)
+        try:
+            self.processes[name].connected(link)
+        except GraphnavError as error:
+            self.end(name, f"cannot be started again: {error}")
 
     def _serve(self, name: str, process: StageProcess, events: int) -> None:
         """Send a process more of what it was asked, and read what it answers."""
@@ -381,16 +370,8 @@ class Supervisor:
         running = self._running.pop(name)
         self._disconnect(self.processes[name])
         self._killed_s.pop(name, None)
-        with suppress(OSError):
-            os.killpg(running.popen.pid, signal.SIGKILL)
-        status = running.popen.wait()
-        if scans:
-            end_marked(running.mark)
-        self._wardens.remove(running.popen.pid)
         self._poll.unregister(running.pid_fd)
-        os.close(running.pid_fd)
-        running.output.close()
-        return status
+        return self._children.reap(running, scans=scans)
 
     def _disconnect(self, process: StageProcess) -> None:
         if process.link is not None:
@@ -404,24 +385,3 @@ class Supervisor:
 def _versions(graph: Graph) -> dict[str, str]:
     """Return what the processes must have as this one has it: versions, and the code of the stages."""
     return provenance({node.use.partition(".")[0] for node in graph.nodes}, [str(path) for path in graph.plugins])
-
-
-def _listening(backlog: int) -> tuple[str, socket.socket]:
-    """Return the folder of the socket to which the processes connect, which is this user's alone, and the socket.
-
-    Raises
-    ------
-    GraphnavError
-        There is no place for it.
-    """
-    try:
-        folder = tempfile.mkdtemp(prefix="graphnav-")  # its mode is 0700
-        listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        listener.bind(os.path.join(folder, "run"))
-        listener.listen(backlog)
-    except OSError as error:
-        where = tempfile.gettempdir()
-        raise GraphnavError(
-            f"no socket in {where} for the processes: {error}\n  set TMPDIR to another folder"
-        ) from error
-    return folder, listener

@@ -16,7 +16,7 @@ import pytest
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import GraphnavError
-from graphnav.core.graph import Graph, Part, graph_of
+from graphnav.core.graph import Graph, graph_of
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Summary, run_recorded
 from graphnav.processes.run import run_processes
@@ -91,9 +91,8 @@ def steps_graph(tmp_path: Path, deploy: str = "", first: str = "{}", third: str 
 
 def restarted(graph: Graph) -> Graph:
     """Return the graph with processes that are started again at once, as often as they end."""
-    parts = graph.deploy.values()
     policy = {"restart": "on_failure", "max_restarts": 100, "restart_delay_s": 0.0}
-    return replace(graph, deploy={p.name: Part(p.name, p.stages, **policy) for p in parts})  # type: ignore[arg-type]
+    return replace(graph, deploy={part.name: replace(part, **policy) for part in graph.deploy.values()})  # type: ignore[arg-type]
 
 
 def is_alive(pid: int) -> bool:

@@ -346,7 +346,7 @@ def test_a_key_that_is_missing_is_an_error(tmp_path: Path) -> None:
         read_key(path)
     assert str(error.value) == (
         f"there is no key in {path}\n"
-        f"  'graphnav tunnel --serve' on the other host makes one: copy it, with mode 0600, to {path}"
+        f"  'graphnav tunnel --serve' or 'run --host' on the other host makes one: copy it, with mode 0600, to {path}"
     )
     with pytest.raises(UserError, match=r"does not contain a key|cannot read"):
         read_key(tmp_path)

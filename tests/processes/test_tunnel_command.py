@@ -175,7 +175,7 @@ ERRORS = [
     (("a", "--url", "x"), "--url: 'x' is not a udpm:// URL\n  write {default}, or another group of 239.0.0.0/8"),
     (("a", "--key", "{key}", "--url", GROUP), "there is no key in {key}\n  {copy}, with mode 0600, to {key}"),
 ]
-COPY = "'graphnav tunnel --serve' on the other host makes one: copy it"
+COPY = "'graphnav tunnel --serve' or 'run --host' on the other host makes one: copy it"
 
 
 @pytest.mark.parametrize(("words", "told"), ERRORS, ids=["none", "both", "address", "port", "url", "key"])

@@ -23,7 +23,7 @@ from testbed.drives import GRAPHNAV
 from testbed.processes import drives_forward, hear, running
 from testbed.rig import Rig, summary_of
 
-from graphnav import Recording, State, Status
+from graphnav import Recording, Status
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import load_graph
 from graphnav.core.run_folder import RunFolder
@@ -31,6 +31,8 @@ from graphnav.core.runner import RunningRun
 from graphnav.processes.running_runs import processes_of
 from tests.processes.conftest import is_alive, wait_until
 from tests.targets import Targets
+
+from .harms import STANDS_MPS, WAIT_S, Harm, harm_of, states_of
 
 MIN_SHARE = 0.9
 N_SEEDS = 4
@@ -42,9 +44,6 @@ of silence, and the machine may be busy.
 """
 BACK_S = 2.0
 SUSPENDED_S = 3.0
-STANDS_MPS = 0.01
-WAIT_S = 10.0
-"""Longer than it takes to drive on."""
 OVERTAKEN = "flow.image"
 MAX_PENDING = 2
 """A frame in a step that was broken off at the end of the run, and one that waited for it."""
@@ -59,15 +58,6 @@ STEADY_S, RATE_HZ = 60.0, 10
 FROM_S = 5.0
 """Frames are counted from here on: before, odometry may not have come yet."""
 BURN = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\nwhile True: pass"
-
-
-class Harm(NamedTuple):
-    """Effect of a process that was killed or suspended: times in seconds, infinite where something never came."""
-
-    stage: str
-    brakes_s: float
-    on_s: float
-    """Until the robot drives on."""
 
 
 class Drive(NamedTuple):
@@ -198,10 +188,10 @@ def _harmed(folder: Path, seed: int, kind: str) -> Drive:
     back_s = [float(s) for s in re.findall(r"is back after ([0-9.]+) s", said)]
     processes: Mapping[str, Any] = graph["processes"]
     restarts = sum(told["restarts"] for told in processes.values())
-    states = _states(folder / "robot")
+    states = states_of(folder / "robot")
     has_contact = any(state.contact for _, state in states)
     lasting_s = SUSPENDED_S if kind == "suspended" else 0.0
-    harms = [_harm(stage, begin_s, states, lasting_s) for stage, begin_s in begun.items()]
+    harms = [harm_of(stage, begin_s, states, lasting_s) for stage, begin_s in begun.items()]
     return Drive(robot["outcome"], has_contact, harms, back_s, restarts, n_left, n_more)
 
 
@@ -213,25 +203,6 @@ def _await_speed(rig: Rig) -> None:
 
 def _is_back(run: Path, stage: str, pid: int) -> bool:
     return _pids(run).get(stage, pid) != pid
-
-
-def _states(robot: Path) -> list[tuple[float, State]]:
-    with Recording(robot / RunFolder.LOG) as log:
-        return [(utime * 1e-6, state) for utime, _, state in log.messages("robot.state") if isinstance(state, State)]
-
-
-def _harm(stage: str, begin_s: float, states: Sequence[tuple[float, State]], lasting_s: float) -> Harm:
-    """Find when the robot began to brake until it stood, and when it drove on."""
-    after = [(s - begin_s, state) for s, state in states if 0.0 <= s - begin_s <= WAIT_S + lasting_s]
-    stands_s = next((s for s, state in after if abs(state.v_mps) < STANDS_MPS), float("inf"))
-    driving = [s for s, state in after if s <= stands_s and state.v_mps >= _speed_before(after) - STANDS_MPS]
-    brakes_s = max(driving, default=0.0) if stands_s < float("inf") else float("inf")
-    on_s = next((s for s, state in after if s > stands_s and state.v_mps > 0.1), float("inf"))
-    return Harm(stage, brakes_s, on_s)
-
-
-def _speed_before(after: Sequence[tuple[float, State]]) -> float:
-    return after[0][1].v_mps if after else 0.0
 
 
 class Killed(NamedTuple):
@@ -301,7 +272,7 @@ def _killed(folder: Path, seed: int, stages: Sequence[str]) -> Killed:
         n_more = _n_more(navigation.pid, n_descriptors)
         robot, graph = rig.finish(KILLED_DRIVE_S + 30)
     n_ended = sum(len(told["ended"]) for told in graph["processes"].values())
-    has_contact = any(state.contact for _, state in _states(folder / "robot"))
+    has_contact = any(state.contact for _, state in states_of(folder / "robot"))
     n_left = sum(map(is_alive, pids))
     return Killed(robot["outcome"], has_contact, len(stages) - len(left), n_ended, left, n_left, n_more)
 
@@ -390,7 +361,7 @@ def test_a_stage_that_ends_at_each_start_is_given_up(targets: Targets, tmp_path:
         rig.robot.send_signal(signal.SIGINT)
         rig.robot.wait(30)
     said = (tmp_path / "navigation-0.txt").read_text()
-    moved = max(abs(state.v_mps) for _, state in _states(tmp_path / "robot"))
+    moved = max(abs(state.v_mps) for _, state in states_of(tmp_path / "robot"))
     is_told = "its process 'ends' ended with exit status 3, and is given up after 2 restarts in 60 s" in said
     text = f"ends at each start: exit status {status}, {'told' if is_told else 'not told'}, fastest {moved:.2f} m/s"
     targets.check(text, good=status == 1 and is_told and moved < STANDS_MPS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -68,11 +68,13 @@ def execute(
     stall: StallLimit | None = None,
     full: FullLog | None = None,
     changes: Changes | None = None,
+    hosts: Mapping[str, Any] | None = None,
 ) -> Summary:
     """Run a graph into an existing, empty folder; see `run_recorded`, and ``run_live`` and ``run_processes`` of rooms.
 
     ``on_time`` gets seconds: the simulated time of the next tick; in a live run the time since the start, now and then.
     ``full`` gets every message of a lockstep run. ``changes`` may change the stages while it lasts.
+    ``hosts``: where the hosts of its processes are, None for as ``hosts.yaml`` says.
     """
     options: dict[str, Any] = {
         "tap": tap,
@@ -82,6 +84,8 @@ def execute(
         "stall": stall,
         "changes": changes,
     }
+    if graph.deploy:
+        options["hosts"] = hosts
     if is_live:
         return _run_live(graph, stages, folder, url=url, on_time=on_time, **options)
     run: Callable[..., Summary] = in_room("processes.run").run_processes if graph.deploy else run_recorded

@@ -7,7 +7,7 @@ import os
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from graphnav.core.api.parameters import Shared
 from graphnav.core.cli.command_arguments import CommandArguments
@@ -16,8 +16,11 @@ from graphnav.core.cli.status import Exit
 from graphnav.core.errors import DrawingError, shown_name
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, seconds
+from graphnav.core.rooms import in_room
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from graphnav.core.catalog import Catalog
     from graphnav.core.graph import Graph
     from graphnav.core.runner.recording.full_log import FullLog
@@ -35,6 +38,26 @@ if TYPE_CHECKING:
     Options.PORTABLE,
     Shared.PACE,
     Shared.PROCESSES,
+    Parameter(
+        "host",
+        "--host",
+        metavar="NAME",
+        help="be this host of the graph's 'deploy': wait for runs elsewhere that want its processes, until Ctrl-C",
+    ),
+    Parameter(
+        "hosts",
+        "--hosts",
+        type=Path,
+        metavar="FILE",
+        help="where hosts are (default: hosts.yaml beside the graph, or in this folder)",
+    ),
+    Parameter(
+        "key",
+        "--key",
+        type=Path,
+        metavar="FILE",
+        help="the key of this machine and of the hosts (default: that of 'graphnav tunnel')",
+    ),
     Shared.LIVE,
     Shared.LIVE_URL,
     Shared.FOLDER,
@@ -69,6 +92,10 @@ def main(args: CommandArguments) -> int:
     catalog, graph = args.load_graph(runs=True)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
     graph = graph.with_processes() if args.processes else graph
+    if args.host is not None:
+        in_room("processes.host_share").serve_host(graph, args.host, args.hosts, args.key, print_notice)
+        return Exit.OK
+    hosts = in_room("processes.hosts").hosts_of(graph, args.hosts, args.key) if graph.deploy else None
     live_notice = _live_notice(args, graph) if is_live else ""
     stages, run_id = graph.make_stages(), new_run_id()
     folder = make_run_folder(args.folder, graph.path.stem)
@@ -82,7 +109,7 @@ def main(args: CommandArguments) -> int:
         if tap is not None:
             console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
         report, kept = FailureReport(args), None if args.no_pictures else full
-        summary = _run(catalog, graph, stages, folder, args, tap, run_id, kept, report, is_live=is_live)
+        summary = _run(catalog, graph, stages, folder, args, tap, run_id, kept, report, hosts, is_live=is_live)
         if args.json:
             print(json.dumps(summary.as_json() | {"folder": str(folder)}))
         else:
@@ -168,6 +195,7 @@ def _run(
     run_id: str,
     full: FullLog | None,
     report: FailureReport,
+    hosts: Mapping[str, Any] | None,
     *,
     is_live: bool,
 ) -> Summary:
@@ -206,4 +234,5 @@ def _run(
                 stall=None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled),
                 full=full,
                 changes=changes,
+                hosts=hosts,
             )

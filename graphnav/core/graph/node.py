@@ -123,7 +123,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Part:
-    """A process of a lockstep run, and what follows if it ends before the run does."""
+    """A process of a run, and what follows if it ends before the run does."""
 
     name: str
     stages: tuple[str, ...]
@@ -133,6 +133,8 @@ class Part:
     restart_window_s: float = 60.0
     restart_delay_s: float = 0.5
     """The first; doubled with each further restart in the window."""
+    host: str | None = None
+    """Where it lives; None: where the command runs."""
 
 
 class LeftOut(Stage):

@@ -74,7 +74,7 @@ def _output_words(given: OutputChannel) -> dict[str, Any]:
 
 
 def _part_words(part: Part) -> dict[str, Any]:
-    return {key: value for key, value in asdict(part).items() if key != "name"}
+    return {key: value for key, value in asdict(part).items() if key != "name" and value is not None}
 
 
 def _node_lines(node: Node, *, portable_paths: bool) -> Iterator[str]:

@@ -141,6 +141,12 @@ class PartKeys(Record):
     restart_delay_s: float = key(
         0.5, ge=0, le=600, doc="wait before a restart; twice as long before each further one in `restart_window_s`"
     )
+    host: str = key(
+        None,
+        pattern=STAGE_NAME,
+        doc="the host on which it lives, as `hosts.yaml` names it; without one it lives where the command runs",
+        hint="write host: jetson",
+    )
 
 
 class QueueKeys(Record):

@@ -17,7 +17,7 @@ from graphnav.core.parameters import Parameter, command
         "--of",
         default="graph",
         metavar="FORMAT",
-        help="graph (default), study, map, or another format that a plugin reads",
+        help="graph (default), study, hosts, map, or another format that a plugin reads",
     ),
     Shared.PLUGINS,
 )
@@ -32,8 +32,8 @@ def main(args: CommandArguments) -> int:
     if args.of == "graph":
         schema = graph_schema(catalog)
     else:
-        study: FileFormat[Any] = in_room("studies.ablation.study").STUDY
-        formats = {study.name: study, **plugin_formats(catalog)}
+        of_rooms: list[FileFormat[Any]] = [in_room("studies.ablation.study").STUDY, in_room("processes.hosts").HOSTS]
+        formats = {**{one.name: one for one in of_rooms}, **plugin_formats(catalog)}
         if args.of not in formats:
             known = ("graph", *formats)
             hint = did_you_mean(args.of, known) or f"formats are {', '.join(known)}"

@@ -19,7 +19,9 @@ def parts_of(spec: Spec, problems: list[Problem]) -> dict[str, Part]:
             else:
                 problems.append(Problem(place, *_why_not(spec, name, stage, homes)))
         stages = tuple(stage for stage, _ in part.stages)
-        parts[name] = Part(name, stages, keys.restart, keys.max_restarts, keys.restart_window_s, keys.restart_delay_s)
+        parts[name] = Part(
+            name, stages, keys.restart, keys.max_restarts, keys.restart_window_s, keys.restart_delay_s, keys.host
+        )
     return parts
 
 

@@ -1,0 +1,108 @@
+"""``hosts.yaml``: where the hosts are on which stages live."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from graphnav import FileFormat, Graph, Record, UserError, key
+from graphnav.core.errors import did_you_mean
+from graphnav.processes.host_link import key_file, read_key
+
+FILE = "hosts.yaml"
+DEFAULT_PORT = 7669
+
+
+class HostKeys(Record):
+    """A machine on which processes of a run may live."""
+
+    noun = "a host"
+    named = "the host '{}'"
+    example = "jetson: {address: 192.168.1.5}"
+
+    address: str = key(not_empty=True, missing="does not say where it is", doc="name or IP address")
+    port: int = key(DEFAULT_PORT, ge=1, le=65_535, doc="the TCP port on which it waits for runs")
+
+
+class HostsKeys(Record):
+    """The machines that graphs name in `deploy`."""
+
+    noun = "a file of hosts"
+
+    hosts: Mapping[str, HostKeys] = key(min_items=1, doc="by the name that graphs give them", hint="write hosts: {}")
+
+
+HOSTS = FileFormat(
+    "hosts",
+    HostsKeys,
+    "Hosts",
+    """A graph says in `deploy` on which host a process lives; `hosts.yaml`, beside the graph or in the working folder,
+says where that is. [Two computers](../howto/two-computers.md) has the rest.
+
+```yaml
+hosts:
+  jetson: {address: 192.168.1.5}
+```
+""",
+)
+
+
+class Host(NamedTuple):
+    """Where a host is, and the file of the key that both ends have."""
+
+    name: str
+    address: str
+    port: int
+    key: Path
+
+
+def hosts_of(graph: Graph, given: Path | None = None, key_path: Path | None = None) -> dict[str, Host]:
+    """Return the hosts that a graph names; ``given``: the file, None for ``hosts.yaml`` where it is looked for.
+
+    Raises
+    ------
+    UserError
+        There is no file, it does not name a host, it is wrong, or there is no key.
+    """
+    wanted = {part.host: part.name for part in graph.deploy.values() if part.host is not None}
+    if not wanted:
+        return {}
+    file = _file(graph, given)
+    if file is None:
+        names = ", ".join(f"{name}: {{address: 192.168.1.5}}" for name in wanted)
+        what = f"there is no {FILE}, beside the graph or here, which says where {', '.join(wanted)} is"
+        raise UserError.of(what, f"write hosts: {{{names}}} into one")
+    found = _read(file)
+    for name, part in wanted.items():
+        if name not in found:
+            hint = did_you_mean(name, found) or f"write {name}: {{address: 192.168.1.5}} into it"
+            raise UserError.of(f"the process '{part}' lives on the host '{name}', which {file} does not name", hint)
+    path = key_file(key_path)
+    read_key(path)
+    return {name: Host(name, found[name].address, found[name].port, path) for name in wanted}
+
+
+def port_of(graph: Graph, name: str, given: Path | None) -> int:
+    """Return the port on which a host waits; ``given``: as of `hosts_of`, but there may be no file.
+
+    Raises
+    ------
+    UserError
+        The file is wrong.
+    """
+    path = _file(graph, given)
+    found = {} if path is None else _read(path)
+    return found[name].port if name in found else DEFAULT_PORT
+
+
+def _file(graph: Graph, given: Path | None) -> Path | None:
+    beside = (graph.path.parent / FILE, Path(FILE))
+    return given or next((path for path in beside if path.exists()), None)
+
+
+def _read(path: Path) -> Mapping[str, HostKeys]:
+    content, problems = HOSTS.read(path)
+    if problems or content is None:
+        raise UserError(problems)
+    return content.hosts

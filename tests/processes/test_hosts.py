@@ -1,0 +1,174 @@
+"""Runs some of whose processes live on another host: the same log, restarts, and who is refused."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from graphnav import UserError
+from graphnav.core.graph import Graph
+from graphnav.core.runner import Outcome
+from graphnav.processes.host_frames import SERVICE
+from graphnav.processes.host_link import HostListener, made_key
+from graphnav.processes.host_share import HostShare, serve_host
+from graphnav.processes.hosts import FILE, hosts_of
+from graphnav.processes.supervisor import Supervisor
+from tests.processes.conftest import Runs, is_alive, restarted, steps_graph, wait_until
+
+DEPLOY = """deploy:
+  eyes: {stages: [first, second], host: jetson}
+  mind: {stages: [open], host: jetson}
+  hand: {stages: [both]}
+"""
+
+
+KEY = "state/graphnav/hosts.key"
+
+
+class Share:
+    """The share of one host, in a thread."""
+
+    def __init__(self, graph: Graph, key: Path, name: str = "jetson", port: int = 0) -> None:
+        self.told: list[str] = []
+        self._stopping = threading.Event()
+        self.listener = HostListener("127.0.0.1", port, made_key(key)[0], SERVICE, 8)
+        self._share = HostShare(graph, name, self.listener, self.told.append)
+        self._thread = threading.Thread(target=self._serve)
+        self._thread.start()
+
+    def _serve(self) -> None:
+        self._share.serve(self._stopping.is_set)
+        self._share.close()
+
+    def pid_of(self, part: str) -> int:
+        """Return the process of a part."""
+        one = next(one for one in self._share._hosted if one.part is not None and one.part.name == part)
+        assert one.running is not None
+        return one.running.popen.pid
+
+    def close(self) -> None:
+        """End it."""
+        self._stopping.set()
+        self._thread.join()
+
+
+Hosted = Callable[..., Share]
+
+
+@pytest.fixture
+def hosted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Hosted]:
+    """Return a function that starts the share of a host, and writes where it is beside the graph of the run."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    made: list[Share] = []
+
+    def host(graph: Graph, name: str = "jetson", port: int = 0, key: str = KEY) -> Share:
+        made.append(share := Share(graph, tmp_path / key, name, port))
+        (tmp_path / FILE).write_text(f"hosts: {{jetson: {{address: 127.0.0.1, port: {share.listener.port}}}}}\n")
+        return share
+
+    yield host
+    for one in made:
+        one.close()
+
+
+def alone(graph: Graph) -> Graph:
+    """Return the graph in one process."""
+    return replace(graph, deploy={})
+
+
+def test_the_log_is_that_of_one_process(tmp_path: Path, runs: Runs, hosted: Hosted) -> None:
+    graph = steps_graph(tmp_path, DEPLOY)
+    share = hosted(graph)
+    many = runs(graph)
+    assert many.agrees_with(runs(alone(graph)))
+    wait_until(lambda: sum("has ended" in line for line in share.told) == 2)
+
+
+def test_a_process_that_dies_there_is_fed_again(tmp_path: Path, runs: Runs, hosted: Hosted) -> None:
+    graph = restarted(steps_graph(tmp_path, DEPLOY))
+    share = hosted(graph)
+    killed: list[int] = []
+
+    def kill(_: Supervisor) -> None:
+        killed.append(share.pid_of("eyes"))
+        os.kill(killed[-1], signal.SIGKILL)
+
+    # the process that stands for 'hand' is killed, too, so that `killed` is called
+    many = runs(graph, {1.0: "hand", 2.0: "hand"}, kill)
+    assert many.agrees_with(runs(alone(graph)))
+    assert len(killed) == 2
+    assert not any(map(is_alive, killed))
+    assert sum("process 'eyes' was killed by SIGKILL: it is started again" in line for line in many.notices) == 2
+
+
+def test_a_host_that_ends_is_waited_for(tmp_path: Path, runs: Runs, hosted: Hosted) -> None:
+    graph = restarted(steps_graph(tmp_path, DEPLOY))
+    first = hosted(graph)
+    later: list[threading.Timer] = []
+
+    def end(_: Supervisor) -> None:
+        port = first.listener.port
+        first.close()
+        later.append(threading.Timer(1.0, hosted, [graph], {"port": port}))
+        later[0].start()
+
+    many = runs(graph, {1.0: "hand"}, end)
+    later[0].join()
+    assert many.agrees_with(runs(alone(graph)))
+
+
+@pytest.mark.parametrize(
+    ("deploy", "name", "said"),
+    [
+        (DEPLOY.replace("open", "third"), "jetson", "it has another graph, or runs it with other options"),
+        (DEPLOY.replace("jetson", "xavier"), "xavier", "there is the host xavier"),
+    ],
+)
+def test_who_has_another_graph_is_refused(
+    tmp_path: Path, runs: Runs, hosted: Hosted, deploy: str, name: str, said: str
+) -> None:
+    hosted(steps_graph(tmp_path, deploy), name)
+    ran = runs(steps_graph(tmp_path, DEPLOY))
+    assert ran.summary.outcome == Outcome.FAILED
+    assert f"it cannot live on the host jetson: {said}" in str(ran.summary.failure)
+
+
+def test_who_has_another_key_is_refused(tmp_path: Path, runs: Runs, hosted: Hosted) -> None:
+    graph = steps_graph(tmp_path, DEPLOY)
+    made_key(tmp_path / KEY)
+    share = hosted(graph, key="other.key")
+    ran = runs(graph)
+    assert ran.summary.outcome == Outcome.FAILED
+    assert "refused the connection: another key" in str(ran.summary.failure)
+    assert not share.told
+
+
+def test_the_files_are_checked(tmp_path: Path, hosted: Hosted) -> None:
+    graph = steps_graph(tmp_path, DEPLOY)
+    with pytest.raises(
+        UserError, match=r"there is no hosts\.yaml, beside the graph or here, which says where jetson is"
+    ):
+        hosts_of(graph)
+    hosted(graph)
+    assert hosts_of(graph)["jetson"].address == "127.0.0.1"
+    (tmp_path / FILE).write_text("hosts: {jetsen: {address: 127.0.0.1}}\n")
+    with pytest.raises(
+        UserError, match=r"the process '(eyes|mind)' lives on the host 'jetson', which .* does not name"
+    ):
+        hosts_of(graph)
+    (tmp_path / FILE).write_text("hosts: {jetson: {port: 70000}}\n")
+    with pytest.raises(UserError, match="does not say where it is"):
+        hosts_of(graph)
+    assert hosts_of(alone(graph)) == {}
+
+
+def test_a_host_without_processes_is_refused(tmp_path: Path) -> None:
+    graph = steps_graph(tmp_path, DEPLOY)
+    with pytest.raises(UserError, match=r"no process of steps lives on the host 'orin'\n.*its hosts are jetson"):
+        serve_host(graph, "orin", None, tmp_path / "key", print)
