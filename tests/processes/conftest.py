@@ -136,7 +136,10 @@ class OtherUser:
 
     def end(self) -> str:
         """Return what became of it: the error, or whether it was answered."""
-        return self._process.communicate(timeout=2 * PATIENCE_S)[0].strip() or self.first
+        with self._process:
+            assert self._process.stdout is not None
+            # `communicate` would lose what was read ahead with the first line
+            return self._process.stdout.read().strip() or self.first
 
 
 @pytest.fixture
