@@ -240,7 +240,7 @@ class Supervisor:
             return "given up"
         if process.is_ready:
             return "ready"
-        return "restarting" if name in self._lost_s else "starting"
+        return "restarting" if name in self._lost_s or self.ends[name] else "starting"
 
     def _process(self, graph: Graph, part: Part, versions: dict[str, str]) -> StageProcess:
         nodes = [node for node in graph.nodes if node.name in part.stages]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +59,16 @@ def viewed(graph: Graph, folder: Path, seen: Path) -> tuple[list[Status], bytes]
     else:
         run_recorded(graph, graph.make_stages(), folder, tap=viewer, pace_ratio=1.0)
     return viewer.statuses, (folder / RunFolder.LOG).read_bytes()
+
+
+def test_a_process_that_ends_before_it_was_asked_for_anything_is_restarting(tmp_path: Path) -> None:
+    graph = steps_graph(tmp_path, PARTS.format(policy="restart: on_failure, restart_delay_s: 600"))
+    with closing(Supervisor(graph, tmp_path, lambda _: None)) as supervisor:
+        supervisor.start()
+        kill(supervisor, "right")
+        while not supervisor.ends["right"]:
+            supervisor.wait()
+        assert {one.name: one.state for one in supervisor.states()}["right"] == "restarting"
 
 
 @pytest.mark.parametrize("policy", ["restart: on_failure, restart_delay_s: 2", "restart: never"])
