@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 from graphnav import Graph, GuardState, Message, Stage
 from graphnav.core.codec import encode
@@ -76,7 +76,7 @@ class LiveSchedule:
         self.steps: dict[str, float] = {}
         """The stages that make a step and when it began, monotonic seconds, for other threads."""
         self.is_idle = False
-        """Whether nothing that has arrived waits for a stage that could fire."""
+        """Whether no stage makes a step, and nothing that has arrived waits for one that could fire."""
         self.sink = StampedNow(sinks, clock)
         """Takes every message of the run, and its status."""
         self.outlets: dict[str, Outlet] = {}
@@ -141,9 +141,14 @@ class LiveSchedule:
         sources = [units[node.name] for node in self.graph.sources]
         self._sources = [(self._source_timer(unit, now_s), unit) for unit in sources]
 
+    def hold(self, stages: Collection[str]) -> bool:  # noqa: ARG002 - between two turns none makes a step
+        """Begin no step of these stages until the next change; return whether they make none at the moment."""
+        return True
+
     def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
         """Let other stages take over from their next firing on, as `Engine.change` does; ``graph``: with them."""
-        failed = self.engine.change(nodes, stages)
+        self.engine.utime = self.clock.now()
+        failed = self.engine.change(graph, nodes, stages)
         self.graph = graph
         self._order = [self.engine.units[node.name] for node in reversed(graph.order)]
         return failed
@@ -180,7 +185,7 @@ class LiveSchedule:
                     self._wake.clear()
                     self._take_inputs()
                 outcome, fired = self._turn()
-            self.is_idle = not fired
+            self.is_idle = not fired and not self.steps
             if outcome is not None:
                 self._finish()
                 return outcome

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import os
 import threading
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
 from graphnav import Graph, Stage
+from graphnav.core.errors import StageError
+from graphnav.core.graph import Node
 from graphnav.core.runner import (
     LiveInbox,
     LiveStep,
@@ -139,6 +141,8 @@ class ProcessSchedule(LiveSchedule):
         """The steps in progress by stage, the oldest first."""
         self._dropped: set[str] = set()
         """The stages among them whose results are not used."""
+        self._held: frozenset[str] = frozenset()
+        """The stages that begin no step, for a change."""
         processes.watch(wake.fileno())
 
     @property
@@ -165,6 +169,16 @@ class ProcessSchedule(LiveSchedule):
         ]
         return max([0.0, *(now_s - timer.due_s for timer in timers)])
 
+    def hold(self, stages: Collection[str]) -> bool:
+        """Begin no step of these stages until the next change; return whether they make none at the moment."""
+        self._held = frozenset(stages)
+        return self._held.isdisjoint(self._flying)
+
+    def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
+        """Let other stages take over from their next firing on, as `Engine.change` does; ``graph``: with them."""
+        self._held = frozenset()
+        return super().change(graph, nodes, stages)
+
     def settle(self) -> None:
         """Wait a little for steps that have not ended when the run has; what they publish goes to the log alone."""
         try:
@@ -182,6 +196,8 @@ class ProcessSchedule(LiveSchedule):
         return isinstance(unit, RemoteUnit) and not unit.is_there
 
     def _is_free(self, unit: Unit[LiveInbox]) -> bool:
+        if unit.node.name in self._held:
+            return False
         return unit.is_free if isinstance(unit, RemoteUnit) else True
 
     def _source_timer(self, unit: Unit[LiveInbox], start_s: float) -> Timer:
@@ -275,6 +291,7 @@ class ProcessSchedule(LiveSchedule):
         return None
 
     def _finish(self) -> None:
+        self.hold(())
         end_s = self.clock.now_s() + _SETTLE_S
         self._await_steps(end_s)
         for unit in reversed(self._order):

@@ -45,9 +45,6 @@ Apart = tuple[RemoteProcesses, Mapping[str, RemoteStage]]
 StartProcesses = Callable[[Interrupt], Apart]
 
 _WATCH_PERIOD_S = 0.5
-_BUSY_S = 0.5
-"""So long a change waits for a moment in which no stage could fire, so that stages before and behind it have seen the
-same stamps."""
 _HANGS_S = 1.0
 """A step that takes longer is told of."""
 
@@ -195,8 +192,8 @@ class _LiveRun:
                     raise GraphnavError(playback.failure)
                 if should_stop():
                     return False
-                if self._changes is not None and (schedule.is_idle or self._changes.waits_s > _BUSY_S):
-                    self._changes.take(self._clock.now(), sinks)
+                if self._changes is not None:
+                    self._changes.take(self._clock.now(), sinks, is_busy=not schedule.is_idle)
                 return True
 
             try:

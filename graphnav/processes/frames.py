@@ -25,7 +25,7 @@ _MAX_PIECES = 512
 
 
 class Kind(IntEnum):
-    """The kind of a frame. The run asks, and the process answers each frame in turn."""
+    """The kind of a frame. The run asks, and the process answers each frame in turn, PREPARE when it is done."""
 
     SETUP = 0
     """Make the stages."""
@@ -38,6 +38,14 @@ class Kind(IntEnum):
     CLOSE = 4
     """Close one of them."""
     ANSWER = 5
+    PREPARE = 6
+    """Make and reset another stage beside one of them, while that goes on."""
+    PREPARED = 7
+    """The stage is made, or why it cannot be."""
+    DROP = 8
+    """Forget that stage."""
+    CHANGE = 9
+    """Let that stage make all further steps; if it is not prepared, make it first."""
 
 
 class Frame(NamedTuple):

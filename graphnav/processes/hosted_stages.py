@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import socket
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -15,20 +16,29 @@ from graphnav.core.graph import Channel, Node, part_of
 from graphnav.core.interrupts import CtrlC, raise_ctrl_c
 from graphnav.core.runner import LiveStep, LockstepEngine, Timer, decoded, difference_here
 from graphnav.processes.frames import Frame, Kind, receive, send
+from graphnav.processes.hosted_changes import HostedChanges
 from graphnav.processes.step_frames import InputsReceived, packed_error
 
 
 def serve(link: socket.socket) -> None:
     """Answer the run until it closes its side."""
     stages: HostedStages | None = None
+    sending = threading.Lock()
+
+    def tell(frame: Frame) -> None:
+        with sending:
+            send(link, frame)
+
     with suppress(EOFError, OSError):
         while True:
             frame = receive(link)
             if stages is None:
                 stages, said = _made(frame.head)
-                send(link, Frame(Kind.ANSWER, said))
+                tell(Frame(Kind.ANSWER, said))
+            elif frame.kind == Kind.PREPARE:
+                stages.changes.prepare(frame.head, tell)
             else:
-                send(link, stages.answer(frame))
+                tell(stages.answer(frame))
 
 
 def _made(setup: dict[str, Any]) -> tuple[HostedStages | None, Any]:
@@ -48,10 +58,12 @@ class HostedStages:
     """
 
     def __init__(self, setup: dict[str, Any]) -> None:
-        graph = part_of(setup["graph"], Path(setup["path"]), Catalog())
+        path, catalog = Path(setup["path"]), Catalog()
+        graph = part_of(setup["graph"], path, catalog)
+        self.changes = HostedChanges(path, catalog, {node.use.partition(".")[0] for node in graph.nodes})
+        """Makes what is to take the place of a stage."""
         self._read = frozenset(setup["read"])
         stages = graph.make_stages(self._read)
-        self._nodes = graph.nodes
         self._engine = LockstepEngine(graph.nodes, stages, (), is_wired=False, published=self._keep)
         self._units = [self._engine.units[node.name] for node in graph.nodes]
         self._inputs: list[InputsReceived] = []
@@ -62,6 +74,8 @@ class HostedStages:
         self._answers: dict[int, Callable[[Any, Sequence[bytes]], Frame]] = {
             Kind.RESET: self._reset,
             Kind.FIRE: self._fire,
+            Kind.DROP: self._drop,
+            Kind.CHANGE: self._change,
             Kind.METRICS: self._metrics,
             Kind.CLOSE: self._close,
         }
@@ -73,7 +87,8 @@ class HostedStages:
     def _reset(self, order: tuple[int, int], _: Sequence[bytes]) -> Frame:
         seed, begin_us = order
         self._engine.begin_at(begin_us)
-        self._inputs, self._n_fired = [InputsReceived(node) for node in self._nodes], [0] * len(self._nodes)
+        self._inputs = [InputsReceived(unit.node) for unit in self._units]
+        self._n_fired = [0] * len(self._units)
         self._timers.clear()
 
         def reset() -> list[float]:
@@ -127,11 +142,25 @@ class HostedStages:
             timer = self._timers.setdefault(place, Timer(lambda firing: unit.due_us(firing) * 1e-6, 0.0))
             timer.advance(live.run_s)
 
+    def _drop(self, place: int, _: Sequence[bytes]) -> Frame:
+        return _called(lambda: self.changes.drop(place))
+
+    def _change(self, head: dict[str, Any], _: Sequence[bytes]) -> Frame:
+        def change() -> list[Any]:
+            made = self.changes.take(head)
+            self._engine.utime, self._read = head["utime"], frozenset(head["read"])
+            failed = self._engine.change(made.graph, [made.node], {made.node.name: made.stage})
+            self._inputs[head["place"]] = InputsReceived(made.node)
+            return [packed_error(error) for error in failed]
+
+        return _called(change)
+
     def _metrics(self, place: int, _: Sequence[bytes]) -> Frame:
         return _called(self._units[place].metrics)
 
     def _close(self, head: tuple[int, float], _: Sequence[bytes]) -> Frame:
         place, at_s = head
+        self.changes.drop(place)
         return _called(lambda: self._units[place].close(at_s))
 
     def _keep(self, channel: Channel, utime: int, _number: int, _message: object, data: bytes) -> None:

@@ -21,8 +21,10 @@ _BUFFER_BYTES = 1 << 20
 
 
 class Given(NamedTuple):
-    """A step that a process has made."""
+    """A step that a process has made, or a change of a stage."""
 
+    kind: int
+    """Of its frame."""
     head: Any
     messages: tuple[bytes, ...]
     digest: int
@@ -51,15 +53,15 @@ class Journal:
         except OSError as error:
             self._give_up(error)
 
-    def keep(self, process: str, head: Any, messages: Sequence[Encoded], digest: int) -> None:
-        """Append a step of a process; never raises."""
+    def keep(self, process: str, kind: int, head: Any, messages: Sequence[Encoded], digest: int) -> None:
+        """Append a step of a process, or a change; never raises."""
         if self._file is None:
             return
         try:
             for message in messages:
                 if message.place < 0:
                     message.place = self._write(message.data)
-            said = json.dumps([head, [(m.place, len(m.data)) for m in messages], digest]).encode()
+            said = json.dumps([kind, head, [(m.place, len(m.data)) for m in messages], digest]).encode()
             self._steps.setdefault(process, array("Q")).append(self._write(_SIZE.pack(len(said)) + said))
         except OSError as error:
             self._give_up(error)
@@ -76,8 +78,8 @@ class Journal:
             self._file.flush()
             for at in self._steps.get(process, ()):
                 (n_bytes,) = _SIZE.unpack(os.pread(self._fd, _SIZE.size, at))
-                head, places, digest = json.loads(os.pread(self._fd, n_bytes, at + _SIZE.size))
-                yield Given(head, tuple(os.pread(self._fd, size, place) for place, size in places), digest)
+                kind, head, places, digest = json.loads(os.pread(self._fd, n_bytes, at + _SIZE.size))
+                yield Given(kind, head, tuple(os.pread(self._fd, size, place) for place, size in places), digest)
         except OSError as error:
             self._give_up(error)
             raise GraphnavError(self.fault) from error

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter, deque
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from enum import Enum, auto
 from time import perf_counter
 from typing import Any
 
 from graphnav import Graph, Stage
+from graphnav.core.errors import StageError
+from graphnav.core.graph import Node
 from graphnav.core.runner import (
     Lockstep,
     LockstepInbox,
@@ -59,6 +61,16 @@ class ProcessLockstep(Lockstep):
         super().__init__(graph, stages, sinks, spans, calls)
         self._supervisor = supervisor
         supervisor.while_waiting = self._look
+        self._left: list[int] = []
+        """For each stage, how many of those that it waits for in this tick are left."""
+        self._states: list[State] = []
+        self._flying: dict[int, float] = {}
+        """The stages that make a step in other processes, and when they began."""
+        self._free: deque[int] = deque()
+        self._arrange()
+
+    def _arrange(self) -> None:
+        """Find for each stage what its steps wait for."""
         self._units: list[Unit[LockstepInbox]] = [*self._sources, *self._order]
         n = len(self._units)
         places = {unit.node.name: place for place, unit in enumerate(self._units)}
@@ -73,12 +85,12 @@ class ProcessLockstep(Lockstep):
             not isinstance(unit, RemoteUnit) or unit.node.stage_class.summary is not Stage.summary
             for unit in self._units
         ]
-        self._left: list[int] = []
-        """For each stage, how many of those that it waits for in this tick are left."""
-        self._states: list[State] = []
-        self._flying: dict[int, float] = {}
-        """The stages that make a step in other processes, and when they began."""
-        self._free: deque[int] = deque()
+
+    def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
+        """Let other stages take over from the next tick on, as `Engine.change` does; ``graph``: with them."""
+        failed = super().change(graph, nodes, stages)
+        self._arrange()
+        return failed
 
     def _look(self) -> None:
         """Call what the run has set by now."""

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from graphnav import Graph, Problem
 from graphnav.core.errors import StageError
-from graphnav.core.graph import Node
+from graphnav.core.graph import Node, part_yaml
 from graphnav.core.runner import Done, LiveStep
 from graphnav.processes.frames import Kind
 from graphnav.processes.stage_process import Request, StageProcess
@@ -24,6 +25,8 @@ class ProcessStage:
         self._node: Node = process.nodes[place]
         self._inputs = InputsSent(self._node)
         self._step: Request | None = None
+        self._prepared: Request | None = None
+        self._changed: Request | None = None
         self._utime = 0
         self._restarts = 0
         self.patience_s = 0.0
@@ -81,6 +84,61 @@ class ProcessStage:
         if self._step is None or self._step.answer is None:
             return Done(error=self._failure(self._utime / 1e6))
         return unpacked_done(self._node, self._step.answer)
+
+    def prepare(self, graph: Graph) -> None:
+        """Begin to make and reset the stage as another graph has it, beside the one that steps."""
+        node = graph.node(self._node.name)
+        self._prepared = self._process.prepare(
+            {
+                "place": self._place,
+                "graph": part_yaml(graph, [node.name]),
+                "read": sorted(graph.read),
+                "versions": self._supervisor.versions_of(node),
+            }
+        )
+
+    def prepared(self) -> Sequence[Problem] | None:
+        """Return why what was prepared cannot take over, empty if it can, None while that is not known."""
+        self._supervisor.wait(0.0)
+        request, name = self._prepared, self._process.part.name
+        assert request is not None, "it was asked for"
+        stays = f"stage '{self._node.name}' ({self._node.use}) stays as it is"
+        if self._process.is_down:
+            return [Problem(None, f"{stays}: {self._process.failure}", self._process.hint)]
+        if request.is_lost:
+            return [Problem(None, f"{stays}: its process '{name}' ended meanwhile", "ask again")]
+        if request.answer is None:
+            return None
+        return [Problem(None, what, hint) for what, hint in request.answer.head["problems"]]
+
+    def drop_prepared(self) -> None:
+        """Forget what was prepared: it does not take over."""
+        request, self._prepared = self._prepared, None
+        if request is not None:
+            self._process.drop(request)
+
+    def change(self, graph: Graph, utime: int) -> None:
+        """Let what was prepared make all further steps; ``utime``: the clock."""
+        request, self._prepared = self._prepared, None
+        assert request is not None, "it is prepared"
+        assert request.answer is not None, "it is prepared"
+        told = request.answer.head
+        self._node, self.patience_s = graph.node(self._node.name), told["patience_s"]
+        self._inputs = InputsSent(self._node)
+        self._supervisor.note_change(self._process, graph, told["versions"])
+        head = {**request.head, "versions": self._supervisor.versions_of(self._node), "utime": utime}
+        self._changed = self._process.change(request, head)
+
+    def unclosed(self) -> Sequence[StageError] | None:
+        """Return what the stage before the last change raised when it was closed, None while that is not known."""
+        self._supervisor.wait(0.0)
+        request = self._changed
+        if request is None or request.is_lost or self._process.is_down:
+            return ()
+        if request.answer is None:
+            return None
+        errors = [unpacked_error(error) for error in request.answer.head["value"]]
+        return [error for error in errors if isinstance(error, StageError)]
 
     def metrics(self) -> dict[str, float] | None:
         """Return the metrics of the stage, None if it reports none or its process is gone; raises StageError."""

@@ -41,7 +41,7 @@ class StageProcess:
     """The stages ``nodes`` in a process of their own, which is one process after another where it is started again.
 
     It answers one request before it is sent the next one, so that neither side ever waits for the other to read.
-    ``setup``: the head of its first frame. ``journal``: keeps its steps, None where it is never started again.
+    ``setup``: the head of the first frame of each. ``journal``: keeps its steps, None where it is never started again.
     ``is_live``: a new one is only reset; what the one before was asked is lost.
     """
 
@@ -57,7 +57,7 @@ class StageProcess:
         self.link: Link | None = None
         self.is_interrupted = False
         """Whether a step of it was broken off, after which its stages are only asked for metrics and closed."""
-        self._setup, self._journal, self._is_live = setup, journal, is_live
+        self.setup, self._journal, self._is_live = setup, journal, is_live
         self.is_made = False
         """Whether there is a process that has made its stages."""
         self._has_begun = False
@@ -66,6 +66,9 @@ class StageProcess:
         self._first: Iterator[Request] = iter(())
         self._pending: deque[Request] = deque()
         self._current: Request | None = None
+        self._preparing: dict[int, Request] = {}
+        """The stages that are made there beside those that step, by their numbers."""
+        self._n_prepared = 0
 
     @property
     def is_busy(self) -> bool:
@@ -100,6 +103,21 @@ class StageProcess:
             self._send_next()
         return request
 
+    def prepare(self, head: dict[str, Any]) -> Request:
+        """Ask for another stage, made while the stages go on; it is lost if the process ends before it takes over."""
+        self._n_prepared += 1
+        return self.post(Kind.PREPARE, {**head, "number": self._n_prepared})
+
+    def change(self, prepared: Request, head: dict[str, Any]) -> Request:
+        """Let a stage that is prepared take over, whatever becomes of the process."""
+        self._preparing.pop(prepared.head["number"], None)
+        return self.post(Kind.CHANGE, head)
+
+    def drop(self, prepared: Request) -> None:
+        """Forget a stage that is prepared."""
+        if self._preparing.pop(prepared.head["number"], None) is not None:
+            self.post(Kind.DROP, prepared.head["place"])
+
     def ordered_reset(self, order: tuple[int, int]) -> Request:
         """Return the request that resets all stages by the seed of the run and its clock, which is made once."""
         if self._reset is None or self._reset.head != order:
@@ -125,6 +143,10 @@ class StageProcess:
         assert self.link is not None, "it is connected"
         answer = self.link.receive()
         if answer is None:
+            return
+        if answer.kind == Kind.PREPARED:
+            if (prepared := self._preparing.get(answer.head["number"])) is not None:
+                prepared.answer = answer
             return
         request, self._current = self._current, None
         if request is None or answer.kind != Kind.ANSWER:
@@ -152,9 +174,12 @@ class StageProcess:
         if self._current is not None and self._current.kind != Kind.SETUP and self._current.digest is None:
             self._pending.appendleft(self._current)
         self._current = None
+        for request in self._preparing.values():
+            request.is_lost = True
+        self._preparing.clear()
         if self._is_live:
             for request in self._pending:
-                request.is_lost = request.kind != Kind.RESET
+                request.is_lost = request.kind not in {Kind.RESET, Kind.PREPARE}
             self._pending = deque(request for request in self._pending if not request.is_lost)
 
     def give_up(self, why: str, hint: str = "") -> None:
@@ -168,14 +193,22 @@ class StageProcess:
         self._pending.clear()
 
     def _take(self, request: Request, answer: Frame) -> None:
+        if request.kind == Kind.CHANGE:
+            self._raise_if_unchanged(request, answer)
         request.answer = answer
-        if request.kind == Kind.FIRE and self._journal is not None:
-            self._journal.keep(self.part.name, request.head, request.messages, digest_of(answer))
+        if self._journal is None:
+            return
+        if request.kind == Kind.FIRE:
+            self._journal.keep(self.part.name, Kind.FIRE, request.head, request.messages, digest_of(answer))
+        elif request.kind == Kind.CHANGE:
+            self._journal.keep(self.part.name, Kind.CHANGE, request.head, (), 0)
 
     def _compare(self, request: Request, answer: Frame) -> None:
         if request.kind == Kind.RESET:
             if (error := unpacked_error(answer.head["error"])) is not None:
                 raise GraphnavError("its stages can be reset only once") from error
+        elif request.kind == Kind.CHANGE:
+            self._raise_if_unchanged(request, answer)
         elif digest_of(answer) != request.digest:
             stage = self.nodes[request.head[0]].name
             raise GraphnavError(
@@ -183,25 +216,32 @@ class StageProcess:
                 "more than its parameters, seed and inputs"
             )
 
+    def _raise_if_unchanged(self, request: Request, answer: Frame) -> None:
+        if (error := unpacked_error(answer.head["error"])) is not None:
+            name = self.nodes[request.head["place"]].name
+            raise GraphnavError(f"stage '{name}' cannot be changed again as it was: {error}") from error
+
     def _again(self) -> Iterator[Request]:
         """Yield what a new process is sent first: the set-up, and where it is not the first one all steps again."""
-        yield Request(Kind.SETUP, self._setup)
+        yield Request(Kind.SETUP, self.setup)
         if self._reset is None or self._reset.answer is None:
             return
         yield Request(Kind.RESET, self._reset.head, digest=0)
         if self._journal is not None:
             for given in self._journal.steps(self.part.name):
-                yield Request(Kind.FIRE, given.head, [Encoded(data) for data in given.messages], given.digest)
+                yield Request(Kind(given.kind), given.head, [Encoded(data) for data in given.messages], given.digest)
 
     def _send_next(self) -> None:
-        if self.link is None or self._current is not None:
-            return
-        request = next(self._first, None)
-        if request is None:
-            self._has_begun = self._reset is not None
-            request = self._pending.popleft() if self._pending else None
-        if request is None:
-            return
-        self._current = request
-        with suppress(OSError):  # it has ended, which is noticed when it is waited for
-            self.link.send(request.frame)
+        while self.link is not None and self._current is None:
+            request = next(self._first, None)
+            if request is None:
+                self._has_begun = self._reset is not None
+                request = self._pending.popleft() if self._pending else None
+            if request is None:
+                return
+            if request.kind == Kind.PREPARE:
+                self._preparing[request.head["number"]] = request
+            else:
+                self._current = request
+            with suppress(OSError):  # it has ended, which is noticed when it is waited for
+                self.link.send(request.frame)

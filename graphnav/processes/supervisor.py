@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from graphnav import Graph, GraphnavError
-from graphnav.core.graph import Part, part_yaml
+from graphnav.core.graph import Node, Part, part_yaml
 from graphnav.core.interrupts import CtrlC, ctrl_c_later
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import CODE, ProcessState, new_run_id, provenance
@@ -64,13 +64,8 @@ class Supervisor:
         """How long a process may take to answer what is not a step, None for as long as it likes."""
         restarts = any(part.restart != "never" for part in graph.deploy.values())
         self._journal = Journal(folder) if restarts and not is_live else None
-        self._setup = {
-            "path": str(graph.path),
-            "read": sorted(graph.read),
-            "plugins": [str(path) for path in graph.plugins],
-        }
-        versions = _versions(graph)
-        self.processes = {part.name: self._process(graph, part, versions) for part in graph.deploy.values()}
+        self._versions = _versions(graph)
+        self.processes = {part.name: self._process(graph, part) for part in graph.deploy.values()}
         """By the name of the part."""
         self.ends: dict[str, list[str]] = {name: [] for name in self.processes}
         """How each process ended before the run did."""
@@ -242,16 +237,39 @@ class Supervisor:
             return "ready"
         return "restarting" if name in self._lost_s or self.ends[name] else "starting"
 
-    def _process(self, graph: Graph, part: Part, versions: dict[str, str]) -> StageProcess:
+    def _process(self, graph: Graph, part: Part) -> StageProcess:
         nodes = [node for node in graph.nodes if node.name in part.stages]
-        families = {f"{CODE}{node.use.partition('.')[0]}" for node in nodes}
-        setup = {
-            **self._setup,
-            "graph": part_yaml(graph, part.stages),
-            "versions": {name: v for name, v in versions.items() if not name.startswith(CODE) or name in families},
-        }
         journal = self._journal if part.restart != "never" else None
-        return StageProcess(part, nodes, setup, journal, is_live=self._is_live)
+        return StageProcess(part, nodes, self._setup(graph, part), journal, is_live=self._is_live)
+
+    def _setup(self, graph: Graph, part: Part) -> dict[str, Any]:
+        """Return what a process is told of its stages when it starts."""
+        families = {f"{CODE}{_family(node)}" for node in graph.nodes if node.name in part.stages}
+        return {
+            "path": str(graph.path),
+            "read": sorted(graph.read),
+            "plugins": [str(path) for path in graph.plugins],
+            "graph": part_yaml(graph, part.stages),
+            "versions": {
+                name: version
+                for name, version in self._versions.items()
+                if not name.startswith(CODE) or name in families
+            },
+        }
+
+    def versions_of(self, node: Node) -> dict[str, str]:
+        """Return the version of the code of a stage as the run has it; empty if it has none so far."""
+        name = f"{CODE}{_family(node)}"
+        return {name: self._versions[name]} if name in self._versions else {}
+
+    def note_change(self, process: StageProcess, graph: Graph, versions: Mapping[str, str]) -> None:
+        """Let a new process of a live run begin with the stages of another graph; ``versions``: of their code.
+
+        In lockstep it begins as the first one did, and is given the change again, too.
+        """
+        self._versions = {**versions, **self._versions}
+        if self._is_live:
+            process.setup = self._setup(graph, process.part)
 
     def _start(self, name: str) -> None:
         try:
@@ -382,6 +400,10 @@ class Supervisor:
         process.disconnected()
 
 
+def _family(node: Node) -> str:
+    return node.use.partition(".")[0]
+
+
 def _versions(graph: Graph) -> dict[str, str]:
     """Return what the processes must have as this one has it: versions, and the code of the stages."""
-    return provenance({node.use.partition(".")[0] for node in graph.nodes}, [str(path) for path in graph.plugins])
+    return provenance(set(map(_family, graph.nodes)), [str(path) for path in graph.plugins])

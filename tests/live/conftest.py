@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import textwrap
 import threading
 import time
@@ -21,7 +22,7 @@ from graphnav.core.codec import decode, encode
 from graphnav.core.graph import Graph, Override, load_graph
 from graphnav.core.messages import Message
 from graphnav.core.run_folder import RunFolder
-from graphnav.core.runner.recording.summary import Summary
+from graphnav.core.runner import Answer, Changes, Request, RunningRun, Summary, ask, new_run_id
 from graphnav.live.run import run_live
 from graphnav.processes.run import run_live_processes
 from graphnav.replay.comparison.result import ReplayResult
@@ -97,16 +98,21 @@ class Outside:
 
 
 class Live:
-    """A live run in a thread; `stop` ends it."""
+    """A live run in a thread; `stop` ends it, `changed` changes it while it lasts."""
 
-    def __init__(self, graph: Graph, folder: Path, url: str, **options: Any) -> None:
-        self.folder = folder
+    def __init__(self, graph: Graph, folder: Path, url: str, plugins: Sequence[Path], **options: Any) -> None:
+        self.folder, self._plugins, self._run_id = folder, plugins, new_run_id()
         self.notices: list[str] = []
         self._summary: Summary | None = None
         self._error: BaseException | None = None
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, args=(graph, url, options))
         self._thread.start()
+
+    def changed(self, *words: str) -> Answer:
+        """Ask the run for a change; return what became of it."""
+        run = RunningRun(self._run_id, os.getpid(), "", self.folder, is_live=True, started_s=0.0, takes_changes=True)
+        return ask(run, Request(words, "", os.getcwd()))
 
     def stop(self) -> tuple[Summary, Recording]:
         """End the run and return what it left."""
@@ -125,15 +131,17 @@ class Live:
     def _run(self, graph: Graph, url: str, options: dict[str, Any]) -> None:
         try:
             run = partial(run_live_processes, run_live) if graph.deploy else run_live
-            self._summary = run(
-                graph,
-                graph.make_stages(),
-                self.folder,
-                url=url,
-                notice=self.notices.append,
-                should_stop=self._stopping.is_set,
-                **options,
-            )
+            with Changes(self._run_id, graph, Catalog().add_files(self._plugins)) as changes:
+                self._summary = run(
+                    graph,
+                    graph.make_stages(),
+                    self.folder,
+                    url=url,
+                    notice=self.notices.append,
+                    should_stop=self._stopping.is_set,
+                    changes=changes,
+                    **options,
+                )
         except BaseException as error:  # noqa: BLE001 - told by finish()
             self._error = error
 
@@ -171,7 +179,7 @@ def live(
         graph = load(text).with_processes() if processes else load(text)
         if graph.deploy:
             graph = replace(graph, plugins=(STAGES, *plugins))
-        runs.append(Live(graph, folder, url, **options))
+        runs.append(Live(graph, folder, url, [STAGES, *plugins], **options))
         return runs[-1]
 
     yield begin

@@ -7,7 +7,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph, graph_of
 from graphnav.core.run_folder import RunFolder
-from graphnav.core.runner import Summary, run_recorded
+from graphnav.core.runner import Answer, Changes, Request, RunningRun, Summary, ask, new_run_id, run_recorded
 from graphnav.processes.run import run_processes
 from graphnav.processes.supervisor import Supervisor
 from tests.live.conftest import live, load, outside  # noqa: F401 - fixtures
@@ -65,8 +66,17 @@ stages:
 class Ran:
     """Remains of a run: its log, its summary, the errors that it ended with, and what it told."""
 
-    def __init__(self, folder: Path, summary: Summary, errors: list[GraphnavError], notices: list[str]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        summary: Summary,
+        errors: list[GraphnavError],
+        notices: list[str],
+        answers: list[Answer],
+    ) -> None:
         self.folder, self.summary, self.errors, self.notices = folder, summary, errors, notices
+        self.answers = answers
+        """Answers to the changes, in their order."""
         self.log = (folder / RunFolder.LOG).read_bytes()
 
     def agrees_with(self, other: Ran) -> bool:
@@ -76,10 +86,37 @@ class Ran:
     @property
     def _told(self) -> object:
         counts = {name: (did.steps, did.dropped) for name, did in self.summary.stages.items()}
-        return self.summary.outcome, self.summary.failure, self.summary.scores, self.summary.frames, counts
+        told = self.summary
+        return told.outcome, told.failure, told.scores, told.frames, told.changes, counts
 
 
 Runs = Callable[..., Ran]
+
+
+class ChangesAt(Changes):
+    """Changes of a run at stamps, s: requests that are made one after the other; a tick waits for the answers."""
+
+    def __init__(self, graph: Graph, folder: Path, requests: Mapping[float, Sequence[Request]]) -> None:
+        run_id = new_run_id()
+        super().__init__(run_id, graph, Catalog().add_files(graph.plugins))
+        self.answers: list[Answer] = []
+        self._run = RunningRun(run_id, os.getpid(), "", folder, is_live=False, started_s=0.0, takes_changes=True)
+        self._left = dict(requests)
+
+    def take(self, utime: int, sinks: Sequence[Any], *, is_busy: bool = False) -> None:
+        """Make the requests that are due, and let them take over."""
+        for at_s in sorted(at_s for at_s in self._left if round(at_s * 1e6) <= utime):
+            requests = self._left.pop(at_s)
+            with ThreadPoolExecutor(max_workers=1) as pool:
+                asked = [pool.submit(ask, self._run, request) for request in requests]
+                while wait(asked, timeout=1e-3).not_done:
+                    super().take(utime, sinks, is_busy=is_busy)
+            self.answers += [answer.result() for answer in asked]
+
+
+def request(*words: str, restart: str = "") -> Request:
+    """Return a request, as the commands make it."""
+    return Request(words, restart, os.getcwd())
 
 
 def steps_graph(tmp_path: Path, deploy: str = "", first: str = "{}", third: str = "{}", more: str = "") -> Graph:
@@ -146,14 +183,15 @@ class OtherUser:
 def runs(tmp_path: Path) -> Runs:
     """Return what runs a graph in one process, or in several where it names some.
 
-    ``kills``: names by stamp, s.
-
-    ``killed`` is called after each.
+    ``kills``: names by stamp, s. ``killed`` is called after each. ``changes``: requests by stamp, s.
     """
     n_runs = 0
 
     def run(
-        graph: Graph, kills: dict[float, str] | None = None, killed: Callable[[Supervisor], None] = lambda _: None
+        graph: Graph,
+        kills: dict[float, str] | None = None,
+        killed: Callable[[Supervisor], None] = lambda _: None,
+        changes: Mapping[float, Sequence[Request]] | None = None,
     ) -> Ran:
         nonlocal n_runs
         n_runs += 1
@@ -170,11 +208,13 @@ def runs(tmp_path: Path) -> Runs:
                 killed(given[0])
 
         options: dict[str, Any] = {"on_tick": on_tick, "on_failure": errors.append, "notice": notices.append}
-        if graph.deploy:
-            summary = run_processes(graph, graph.make_stages(), folder, supervised=given.append, **options)
-        else:
-            summary = run_recorded(graph, graph.make_stages(), folder, **options)
-        return Ran(folder, summary, errors, notices)
+        with ChangesAt(graph, folder, changes or {}) as made:
+            options["changes"] = made
+            if graph.deploy:
+                summary = run_processes(graph, graph.make_stages(), folder, supervised=given.append, **options)
+            else:
+                summary = run_recorded(graph, graph.make_stages(), folder, **options)
+        return Ran(folder, summary, errors, notices, made.answers)
 
     return run
 

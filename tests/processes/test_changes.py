@@ -23,6 +23,8 @@ from graphnav.core.runner import RunningRun
 from tests.processes.conftest import PATIENCE_S, STAGES, STEPS, OtherUser, wait_until
 
 GRAPH = STEPS.replace("until_s: 3", "until_s: null").replace("n: 25", "n: 1000000").replace("n: 1000,", "n: 1000000,")
+RIGHT = "deploy: {right: {stages: [third]}}"
+PARTS = "deploy: {left: {stages: [clock, first, second]}, right: {stages: [third, both, slow]}}"
 
 
 class Running:
@@ -82,13 +84,18 @@ def differences(folder: Path, capsys: pytest.CaptureFixture[str], *words: str) -
     return (out.strip() or err).splitlines()[-1]
 
 
-@pytest.mark.parametrize("mode", [("--pace", "10"), ("--live",)], ids=["lockstep", "live"])
+@pytest.mark.parametrize(
+    ("mode", "deploy"),
+    [(("--pace", "10"), ""), (("--live",), ""), (("--live",), PARTS)],
+    ids=["lockstep", "live", "live-apart"],
+)
 def test_a_replay_repeats_all_changes(
-    begin: Begin, mode: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    begin: Begin, mode: tuple[str, ...], deploy: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    running = begin(*mode)
-    graph = (running.folder / RunFolder.GRAPH).read_text()
+    running = begin(*mode, deploy=deploy)
     assert main(["set", "slow.takes_ms=0", "second.takes_ms=0.5"]) == 0
+    graph = (running.folder / RunFolder.GRAPH).read_text()
+    assert "takes_ms: 0.5" not in graph
     assert main(["swap", "both=steps.pass"]) == 0
     assert main(["swap", "first=steps.both", "--set", "first.in.two=clock"]) == 0
     assert main(["restart", "second", "--run", str(running.folder)]) == 0
@@ -151,13 +158,14 @@ REFUSED = (
         ["swap", "third=steps.pass", "--set", "third.what=fail"],
         "stage 'third' (steps.pass) cannot be reset: ValueError: it fails",
     ),
+    (["set", "first.what=fail"], "stage 'first' (steps.pass) cannot be reset: ValueError: it fails"),
     (["restart", "secnd"], "there is no stage 'secnd'\n  did you mean 'second'?"),
     (["restart", "clock"], "stage 'clock' (steps.count) is a source"),
 )
 
 
 def test_what_is_wrong_changes_nothing(begin: Begin, capsys: pytest.CaptureFixture[str]) -> None:
-    running = begin()
+    running = begin(deploy=RIGHT)
     for words, told in REFUSED:
         assert main(words) == 2, words
         assert capsys.readouterr().err.startswith(told), words
@@ -175,15 +183,8 @@ def test_a_stage_that_does_not_close_is_told(begin: Begin, capsys: pytest.Captur
     assert running.summary["failure"] == ""
 
 
-def test_stages_in_several_processes_are_not_changed(begin: Begin, capsys: pytest.CaptureFixture[str]) -> None:
-    running = begin(deploy="deploy: {right: {stages: [third]}}")
-    assert main(["set", "first.at=7"]) == 2
-    told = f"run {running.run.run_id} cannot be changed: its stages live in several processes\n"
-    assert capsys.readouterr().err.startswith(told)
-
-
 def test_two_commands_at_once_both_take_over(begin: Begin, capsys: pytest.CaptureFixture[str]) -> None:
-    running = begin()
+    running = begin(deploy=RIGHT)
     commands = [
         subprocess.Popen([sys.executable, "-m", "graphnav", "set", f"{stage}.at=7"], stdout=subprocess.PIPE, text=True)
         for stage in ("first", "third", "first")

@@ -7,6 +7,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from itertools import groupby
 from pathlib import Path
@@ -24,6 +25,7 @@ from graphnav.processes.supervisor import Supervisor
 from graphnav.replay.log.log_graph import graph_to_replay
 from graphnav.replay.replay import ReplayOptions, replay
 from tests.live.conftest import EVERY_KIND, Live, Outside
+from tests.live.conftest import STAGES as PROBES
 from tests.processes.conftest import STAGES, is_alive, wait_until
 
 LEVEL = 7
@@ -35,12 +37,14 @@ stages:
   see:   {{use: probe.brightness, in: {{image: camera.image}}}}
   relay: {{use: steps.pass, in: {{one: see.twist}}, with: {relay}}}
   guard: {{use: probe.pass, every_ms: 20, in: {{command: relay.twist, image: camera.image}}}}
+{more}
 outputs: {{guard.twist: {{channel: SPEED, motor: true}}}}
 deploy:
   eyes: {{stages: [see], {policy}}}
   middle: {{stages: [relay], {policy}}}
   {guard}
 """
+SLOW = "  slow: {use: probe.brightness, with: {dawdle_s: 0.05}, in: {image: camera.image}}"
 FAST = "restart: on_failure, restart_delay_s: 0.01, max_restarts: 3"
 GUARD = "last: {stages: [guard], restart: always, restart_delay_s: 2}"
 """Back only after the motors have stopped, which takes half a second."""
@@ -52,9 +56,9 @@ def plugins() -> Sequence[Path]:
     return (STAGES,)
 
 
-def chain(policy: str = FAST, relay: str = "{}", guard: str = "") -> str:
-    """Return a graph from a camera to motors."""
-    return CHAIN.format(policy=policy, relay=relay, guard=guard)
+def chain(policy: str = FAST, relay: str = "{}", guard: str = "", more: str = "") -> str:
+    """Return a graph from a camera to motors, with ``more`` stages."""
+    return CHAIN.format(policy=policy, relay=relay, guard=guard, more=more)
 
 
 class Driven:
@@ -273,6 +277,47 @@ def test_a_stage_that_ends_too_often_is_given_up_while_the_robot_stands(
     assert summary.outcome == "failed"
     assert "its process 'middle' was killed by SIGKILL, and is given up after 2 restarts in 60 s" in summary.failure
     wait_until(lambda: one.speeds[-1] == 0.0)
+
+
+def test_changed_stages_are_replayed(driven: Callable[[str], Driven], capsys: pytest.CaptureFixture[str]) -> None:
+    """Also one that reads from then on what a stage publishes that makes a step nearly always."""
+    one = driven(chain(guard="others: {stages: [slow]}", more=SLOW))
+    with ThreadPoolExecutor() as pool:
+        for ref in ("slow.twist", "see.twist", "slow.twist"):
+            swap = "relay=steps.pass", f"--set relay.in.one={ref}", "guard=probe.pass"
+            changed = pool.submit(one.run.changed, *swap)
+            one.show_until(changed.done)
+            assert changed.result().at_s is not None
+            one.drive()
+    summary, log = one.run.stop()
+    log.close()
+    assert [change["stage"] for change in summary.changes] == ["relay", "guard"] * 3
+    assert main(["replay", str(one.run.folder), "--plugin", str(STAGES), "--plugin", str(PROBES)]) == 0
+    assert "no differences: " in capsys.readouterr().out
+
+
+def test_a_changed_stage_is_what_a_new_process_has(driven: Callable[[str], Driven], tmp_path: Path) -> None:
+    """One that hangs when it is reset leaves the old one driving; if its process ends meanwhile nothing has changed."""
+    one = driven(chain())
+    assert one.run.changed("relay=steps.pass", "--set relay.what=print", "--set relay.at=1").at_s is not None
+    one.drive()
+    assert one.run.changed("see.dawdle_s=0.001", "guard=probe.pass").at_s is not None
+    one.drive()
+    with ThreadPoolExecutor() as pool:
+        hanging = pool.submit(one.run.changed, "relay.what=hang", "relay.at=0", f"relay.file={tmp_path / 'hangs'}")
+        one.show_until((tmp_path / "hangs").exists)
+        one.drive()
+        one.send("middle", signal.SIGKILL)
+        one.stop()
+        one.drive()
+        (problem,) = hanging.result().problems
+    assert str(problem) == (
+        "stage 'relay' (steps.pass) stays as it is: its process 'middle' ended meanwhile\n  ask again"
+    )
+    summary, log = one.run.stop()
+    log.close()
+    assert [change["stage"] for change in summary.changes] == ["relay", "see", "guard"]
+    assert sum(line.startswith("[middle] step 1") for line in one.run.notices) == 2
 
 
 def test_a_source_begins_again(live: Callable[..., Live], outside: Callable[..., Outside]) -> None:

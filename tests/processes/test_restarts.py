@@ -14,6 +14,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph, graph_of, load_graph
 from graphnav.core.runner import Encoded
+from graphnav.processes.frames import Kind
 from graphnav.processes.journal import Journal
 from graphnav.processes.supervisor import Supervisor
 from tests.processes.conftest import STAGES, STEPS, Ran, Runs, restarted, steps_graph
@@ -125,7 +126,7 @@ def test_nothing_is_started_again_once_the_user_asked_for_the_end(runs: Runs, tm
 
 def test_a_journal_without_a_disk_says_why_nothing_can_be_given_again(tmp_path: Path) -> None:
     journal = Journal(tmp_path / "missing")
-    journal.keep("right", [0, 1, []], [Encoded(b"a")], 0)
+    journal.keep("right", Kind.FIRE, [0, 1, []], [Encoded(b"a")], 0)
     assert journal.fault == "what it was given cannot be kept: No such file or directory"
     with pytest.raises(GraphnavError, match="cannot be kept"):
         next(journal.steps("right"))
@@ -133,21 +134,23 @@ def test_a_journal_without_a_disk_says_why_nothing_can_be_given_again(tmp_path: 
 
 def test_a_journal_leaves_the_last_of_a_disk_to_the_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     journal = Journal(tmp_path)
-    journal.keep("right", [0, 1, []], [Encoded(bytes(16 << 20))], 0)
+    journal.keep("right", Kind.FIRE, [0, 1, []], [Encoded(bytes(16 << 20))], 0)
     assert journal.fault == ""
     monkeypatch.setattr("graphnav.core.runner.recording.full_log._MIN_FREE_BYTES", 1 << 60)
-    journal.keep("right", [0, 2, []], [Encoded(bytes(16 << 20))], 0)
+    journal.keep("right", Kind.FIRE, [0, 2, []], [Encoded(bytes(16 << 20))], 0)
     assert journal.fault == "what it was given cannot be kept: the disk is nearly full"
 
 
 def test_a_journal_holds_a_message_once_and_gives_all_again(tmp_path: Path) -> None:
     journal, shared, own = Journal(tmp_path), Encoded(b"shared"), Encoded(b"own")
-    journal.keep("left", [0, 1, []], [shared], 5)
-    journal.keep("right", [0, 1, []], [shared, own], 6)
-    journal.keep("left", [1, 2, [[0.5, True]]], [own], 7)
-    assert [(g.head, g.messages, g.digest) for g in journal.steps("left")] == [
-        ([0, 1, []], (b"shared",), 5),
-        ([1, 2, [[0.5, True]]], (b"own",), 7),
+    journal.keep("left", Kind.FIRE, [0, 1, []], [shared], 5)
+    journal.keep("right", Kind.FIRE, [0, 1, []], [shared, own], 6)
+    journal.keep("left", Kind.CHANGE, {"place": 0}, (), 0)
+    journal.keep("left", Kind.FIRE, [1, 2, [[0.5, True]]], [own], 7)
+    assert list(journal.steps("left")) == [
+        (Kind.FIRE, [0, 1, []], (b"shared",), 5),
+        (Kind.CHANGE, {"place": 0}, (), 0),
+        (Kind.FIRE, [1, 2, [[0.5, True]]], (b"own",), 7),
     ]
     assert [given.messages for given in journal.steps("right")] == [(b"shared", b"own")]
     assert list(tmp_path.iterdir()) == []

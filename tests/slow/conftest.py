@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from testbed import drives
 
+from tests.processes.conftest import runs  # noqa: F401 - a fixture
+
 DriveAll = Callable[[str, Sequence[int], tuple[str, ...]], drives.Drives]
 
 

@@ -7,7 +7,7 @@ from .join import MatchedSet
 from .live_inbox import LiveInbox
 from .lockstep import Lockstep, LockstepEngine
 from .lockstep_inbox import LockstepInbox
-from .recording.changes import Answer, Changes, Request, ask
+from .recording.changes import Answer, Changes, Request, ask, giving_way, reset_stage
 from .recording.full_log import LOOK_BYTES, is_nearly_full
 from .recording.kept_messages import complete_channels
 from .recording.log_forecast import size_text
@@ -73,11 +73,13 @@ __all__ = [
     "difference",
     "difference_here",
     "edge_statuses",
+    "giving_way",
     "is_nearly_full",
     "memory_mb",
     "new_run_id",
     "provenance",
     "remember_copies",
+    "reset_stage",
     "run_recorded",
     "seed_of",
     "size_text",

@@ -11,7 +11,7 @@ from typing import Any, Generic, Protocol
 from graphnav.core.bus import Bus
 from graphnav.core.codec import DecodeError, EncodeError, codec_of, decode, encode
 from graphnav.core.errors import StageError
-from graphnav.core.graph import Channel, Node
+from graphnav.core.graph import Channel, Graph, Node
 from graphnav.core.messages import Message, Twist
 from graphnav.core.runner.remote_unit import Encoded, RemoteStage, RemoteUnit
 from graphnav.core.runner.stage_calls import StageCalls
@@ -164,22 +164,25 @@ class Engine(Generic[I]):
                 self._bus.subscribe(name, partial(self._receive, channel))
         self._is_read.update(channels)
 
-    @property
-    def is_changeable(self) -> bool:
-        """Whether `change` can change every stage: all of them live in this process."""
-        return not any(isinstance(unit, RemoteUnit) for unit in self.units.values())
+    def remote_units(self, nodes: Iterable[Node]) -> list[RemoteUnit[I]]:
+        """Return those of some stages that live in other processes."""
+        return [unit for node in nodes if isinstance(unit := self.units[node.name], RemoteUnit)]
 
-    def change(self, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
-        """Let other stages, which are reset, take the place of those of the same names, between two firings.
+    def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
+        """Let other stages take the place of those of the same names, between two firings.
 
-        What waits for a stage stays where it is read alike. Returns what stages raised when they were closed.
+        ``graph``: with them. ``stages``: those of this process, which are reset; those of others are `prepared` there.
+        What waits for a stage stays where it is read alike. Returns what stages of this process raised when they were
+        closed.
         """
         at_s, failed = (self.utime - self.begin_us) / 1e6, []
         for node in nodes:
-            unit = self.units[node.name]
-            assert isinstance(unit, LocalUnit), "a stage of another process is not changed"
-            error = unit.change(node, stages[node.name], self._make_inbox(node), at_s)
-            failed += [] if error is None else [error]
+            unit, inbox = self.units[node.name], self._make_inbox(node)
+            if isinstance(unit, LocalUnit):
+                error = unit.change(node, stages[node.name], inbox, at_s)
+                failed += [] if error is None else [error]
+            elif isinstance(unit, RemoteUnit):
+                unit.change(graph, node, inbox, self.utime)
         self._connect()
         return failed
 

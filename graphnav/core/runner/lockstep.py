@@ -104,9 +104,13 @@ class Lockstep:
         """Fate of the processes of its stages, for the summary; None: they live in this one."""
         return None
 
+    def hold(self, stages: Collection[str]) -> bool:  # noqa: ARG002 - between two ticks none makes a step
+        """Begin no step of these stages until the next change; return whether they make none at the moment."""
+        return True
+
     def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
         """Let other stages take over from the next tick on, as `Engine.change` does; ``graph``: with them."""
-        failed = self.engine.change(nodes, stages)
+        failed = self.engine.change(graph, nodes, stages)
         self.graph = graph
         self._order = [self.engine.units[node.name] for node in graph.order]
         return failed

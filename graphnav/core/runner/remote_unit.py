@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Literal, NamedTuple, Protocol
 
-from graphnav.core.errors import GraphnavError, StageError, failure_line
-from graphnav.core.graph import Channel, Node
+from graphnav.core.errors import GraphnavError, Problem, StageError, failure_line
+from graphnav.core.graph import Channel, Graph, Node
 from graphnav.core.runner.stage_calls import StageCalls
 from graphnav.core.runner.unit import I, Unit
 
@@ -88,6 +88,21 @@ class RemoteStage(Protocol):
 
     def done(self) -> Done:
         """Wait for the end of the step that was begun."""
+
+    def prepare(self, graph: Graph) -> None:
+        """Begin to make and reset the stage as another graph has it, beside the one that steps."""
+
+    def prepared(self) -> Sequence[Problem] | None:
+        """Return why what was prepared cannot take over, empty if it can, None while that is not known."""
+
+    def drop_prepared(self) -> None:
+        """Forget what was prepared: it does not take over."""
+
+    def change(self, graph: Graph, utime: int) -> None:
+        """Let what was prepared make all further steps; ``utime``: the clock."""
+
+    def unclosed(self) -> Sequence[StageError] | None:
+        """Return what the stage before the last change raised when it was closed, None while that is not known."""
 
     def metrics(self) -> dict[str, float] | None:
         """Return the metrics of the stage, None if it reports none or its process is gone; raises StageError."""
@@ -249,6 +264,28 @@ class RemoteUnit(Unit[I]):
     def patience_s(self) -> float:
         """Return how long a live firing waits for `Since` inputs."""
         return self._remote.patience_s
+
+    def prepare(self, graph: Graph) -> None:
+        """Begin to make and reset the stage as another graph has it, beside the one that steps."""
+        self._remote.prepare(graph)
+
+    def prepared(self) -> Sequence[Problem] | None:
+        """Return why what was prepared cannot take over, empty if it can, None while that is not known."""
+        return self._remote.prepared()
+
+    def drop_prepared(self) -> None:
+        """Forget what was prepared: it does not take over."""
+        self._remote.drop_prepared()
+
+    def change(self, graph: Graph, node: Node, inbox: I, utime: int) -> None:
+        """Let what was prepared make all further steps; ``utime``: the clock."""
+        self._remote.change(graph, utime)
+        inbox.adopt(self.inbox)
+        self.node, self.inbox = node, inbox
+
+    def unclosed(self) -> Sequence[StageError] | None:
+        """Return what the stage before the last change raised when it was closed, None while that is not known."""
+        return self._remote.unclosed()
 
     def metrics(self) -> dict[str, float] | None:
         """Return the metrics of the stage after a run, None if it reports none or its process is gone."""

@@ -30,7 +30,7 @@ class RepeatedChanges:
         while self._pending and self._pending[0].at_us <= utime:
             change = self._pending.popleft()
             graph = change.graph
-            self._engine.change(change.nodes, change.stages)
+            self._engine.change(graph, change.nodes, change.stages)
             for node in change.nodes:
                 self._engine.units[node.name].reset(graph.run.seed, seed_of(graph.run.seed, node.name))
             for data in change.data:

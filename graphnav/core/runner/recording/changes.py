@@ -8,7 +8,7 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -33,6 +33,9 @@ _MAX_REQUESTS = 8
 """The maximum number of requests that are read, checked, or wait for their turn, at a time."""
 _PATIENCE_S = 5.0
 """A request that is not complete after this is refused."""
+_BUSY_S = 0.5
+"""So long a change waits for a moment in which no stage could fire, so that stages before and behind it have seen the
+same stamps."""
 _SWITCH_S = 2e-4
 _END_S = 1.0
 """How long the end of the run waits for the answers to be sent."""
@@ -139,27 +142,33 @@ class Running(Protocol):
     def engine(self) -> Engine[Any]:
         """The stages."""
 
+    def hold(self, stages: Collection[str]) -> bool:
+        """Begin no step of these stages until the next change; return whether they make none at the moment."""
+
     def change(self, graph: Graph, nodes: Iterable[Node], stages: Mapping[str, Stage]) -> list[StageError]:
-        """Let other stages take over; return what those before raised when they were closed."""
+        """Let other stages take over; return what those of this process raised when they were closed."""
 
 
 @dataclass
 class _Pending:
-    """A change, and its new stages, which wait to take over."""
+    """A change, and its new stages of this process, which wait to take over."""
 
     change: GraphChange
     stages: dict[str, Stage] = field(default_factory=dict)
+    is_prepared: bool = False
+    """Whether its stages of other processes were asked for."""
+    ready_s: float | None = None
+    """When all of its stages could take over, monotonic seconds."""
     answer: Answer = field(default_factory=Answer)
     is_done: threading.Event = field(default_factory=threading.Event)
-    since_s: float = field(default_factory=time.monotonic)
 
 
 class Changes:
     """A context in which a run can be changed: `ask` reaches it, where the user has a state folder.
 
     Threads of its own read each request and check it as the graph's file is checked, make the new stages and reset
-    them. The thread that fires calls `take` between two firings: only then do they take over. Nothing that arrives ends
-    the run or keeps it waiting.
+    them; those of other processes are made and reset there. The thread that fires calls `take` between two firings:
+    only then do they take over. Nothing that arrives ends the run or keeps it waiting.
     """
 
     def __init__(self, run_id: str, graph: Graph, catalog: Catalog) -> None:
@@ -180,12 +189,6 @@ class Changes:
     def is_listening(self) -> bool:
         """Whether `ask` reaches it."""
         return self._listener is not None
-
-    @property
-    def waits_s(self) -> float:
-        """For how long a change has been waiting for `take`, seconds; 0 if none does."""
-        pending = self._pending
-        return 0.0 if pending is None else time.monotonic() - pending.since_s
 
     def __enter__(self) -> Self:
         path = RunningRun.socket_path(self._run_id)
@@ -222,19 +225,58 @@ class Changes:
         if pending is not None:
             pending.is_done.set()
 
-    def take(self, utime: int, sinks: Sequence[Any]) -> None:
+    def take(self, utime: int, sinks: Sequence[Any], *, is_busy: bool = False) -> None:
         """Let stages that are ready take over, between two firings; ``sinks`` get the `Changed` of each.
 
-        ``utime``: the stamp from which on that counts.
+        ``utime``: the stamp from which on that counts. ``is_busy``: whether a stage could fire, for which they wait a
+        little.
         """
-        if self._pending is None or self._running is None:
+        pending, running = self._pending, self._running
+        if pending is None or running is None:
             return
+        if pending.answer.at_s is None:
+            if not self._is_ready(pending, running, is_busy=is_busy):
+                return
+            self._take_over(pending, running, utime, sinks)
+        unclosed = [unit.unclosed() for unit in running.engine.remote_units(pending.change.nodes)]
+        if all(errors is not None for errors in unclosed):
+            self._finish(pending, _not_closed(error for errors in unclosed for error in errors or ()))
+
+    def _is_ready(self, pending: _Pending, running: Running, *, is_busy: bool) -> bool:
+        """Whether all stages of a change can take over now; refuse it if one of another process cannot be made."""
+        nodes = pending.change.nodes
+        units = running.engine.remote_units(nodes)
+        if not pending.is_prepared:
+            pending.is_prepared = True
+            for unit in units:
+                unit.prepare(pending.change.graph)
+        told = [unit.prepared() for unit in units]
+        problems = next((problems for problems in told if problems), ())
+        if problems:
+            for unit in units:
+                unit.drop_prepared()
+            running.hold(())
+            pending.answer = Answer(problems=tuple(problems))
+            self._finish(pending)
+            return False
+        if None in told:
+            return False
+        now_s = time.monotonic()
+        pending.ready_s = now_s if pending.ready_s is None else pending.ready_s
+        if is_busy and now_s - pending.ready_s < _BUSY_S:
+            return False
+        return running.hold({name for node in nodes for name in _held_for(node, self.graph.node(node.name))})
+
+    def _finish(self, pending: _Pending, notices: Iterable[str] = ()) -> None:
+        """Let a request be answered."""
+        pending.answer = pending.answer._replace(notices=(*pending.answer.notices, *notices))
         with self._lock:
-            pending, self._pending = self._pending, None
-        if pending is None:
-            return
-        engine, change = self._running.engine, pending.change
-        failed = self._running.change(change.graph, change.nodes, pending.stages)
+            self._pending = None
+        pending.is_done.set()
+
+    def _take_over(self, pending: _Pending, running: Running, utime: int, sinks: Sequence[Any]) -> None:
+        engine, change = running.engine, pending.change
+        failed = running.change(change.graph, change.nodes, pending.stages)
         self.graph = change.graph
         at_s = (utime - engine.begin_us) / 1e6
         for node in change.nodes:
@@ -244,8 +286,7 @@ class Changes:
             for sink in sinks:
                 sink.write(Changed.CHANNEL, utime, data)
             self.made.append({"at_s": round(at_s, 6), "stage": node.name, "use": node.use, "words": change.words})
-        pending.answer = Answer(at_s, (*change.notices, *(f"not closed: {error}" for error in failed)))
-        pending.is_done.set()
+        pending.answer = Answer(at_s, (*change.notices, *_not_closed(failed)))
 
     def _accept(self, listener: socket.socket) -> None:
         while not self._has_ended:
@@ -290,15 +331,17 @@ class Changes:
             running = self._running
             if running is None or self._has_ended:
                 return Answer()
-            if not running.engine.is_changeable:
-                what = f"run {self._run_id} cannot be changed: its stages live in several processes"
-                raise UserError.of(what, "run it in one process, without deploy and --processes")
-            with _giving_way():
+            with giving_way():
                 pending = _Pending(request.change(self.graph, self._began, self._catalog))
+            graph, nodes = pending.change.graph, pending.change.nodes
+            elsewhere = {unit.node.name for unit in running.engine.remote_units(nodes)}
             try:
-                with _giving_way():
-                    for node in pending.change.nodes:
-                        pending.stages[node.name] = self._made(pending.change.graph, node)
+                with giving_way():
+                    for node in nodes:
+                        stage = graph.make_stage(node.name)  # those of other processes only to see whether it can be
+                        if node.name not in elsewhere:
+                            pending.stages[node.name] = stage
+                            reset_stage(stage, node, graph.run.seed)
                 self._wait_for_turn(pending)
             finally:
                 if pending.answer.at_s is None:
@@ -315,23 +358,36 @@ class Changes:
             self._pending = pending
         pending.is_done.wait()
 
-    def _made(self, graph: Graph, node: Node) -> Stage:
-        """Return a new stage, reset; raises UserError if it cannot be made."""
-        stage = graph.make_stage(node.name)
-        try:
-            with third_party_code():
-                stage.reset(seed_of(graph.run.seed, node.name))
-        except CtrlC:
-            raise
-        except BaseException as error:
-            hint = fix_the_plugin(error, (cls.__module__ for cls in node.stage_class.__mro__))
-            problem = Problem(None, f"stage '{node.name}' ({node.use}) cannot be reset: {one_line(error)}", hint)
-            raise UserError(problem) from error
-        return stage
+
+def reset_stage(stage: Stage, node: Node, run_seed: int) -> None:
+    """Reset a new stage that is to take over; raises UserError if it raises."""
+    try:
+        with third_party_code():
+            stage.reset(seed_of(run_seed, node.name))
+    except CtrlC:
+        raise
+    except BaseException as error:
+        hint = fix_the_plugin(error, (cls.__module__ for cls in node.stage_class.__mro__))
+        problem = Problem(None, f"stage '{node.name}' ({node.use}) cannot be reset: {one_line(error)}", hint)
+        raise UserError(problem) from error
+
+
+def _held_for(node: Node, before: Node) -> Iterator[str]:
+    """Yield the stages that make no step while one takes over: itself, and the writers of what it had not read before.
+
+    In a replay steps take no time: what is published after the change must come from a step that began after it.
+    """
+    yield node.name
+    same = node.same_inputs(before)
+    yield from (i.channel.stage for i in node.inputs if i.channel is not None and i.port.name not in same)
+
+
+def _not_closed(errors: Iterable[StageError]) -> Iterator[str]:
+    return (f"not closed: {error}" for error in errors)
 
 
 @contextmanager
-def _giving_way() -> Iterator[None]:
+def giving_way() -> Iterator[None]:
     """Let the thread that fires have Python's interpreter lock sooner than by default, 5 ms after it asks for it."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH_S)
