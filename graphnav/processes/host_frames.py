@@ -30,6 +30,6 @@ def fingerprint(graph: Graph, host: str) -> str:
     parts = {name: part for name, part in graph.deploy.items() if part.host == host}
     stages = {stage for part in parts.values() for stage in part.stages}
     nodes = tuple(node for node in graph.nodes if node.name in stages)
-    wires = {"inputs": {}, "outputs": {}, "queues": {}, "notices": (), "file_notices": ()}
-    alone = replace(graph, about="", nodes=nodes, deploy=parts, run=RunOptions(), **wires)
+    alone = replace(graph, about="", nodes=nodes, deploy=parts, run=RunOptions(), inputs={}, outputs={}, queues={})
+    alone = replace(alone, notices=(), file_notices=())
     return hashlib.sha256(resolved_yaml(alone).encode()).hexdigest()

@@ -17,6 +17,7 @@ from typing import NoReturn
 
 from graphnav import GraphnavError
 from graphnav.core.machine import peer_of
+from graphnav.core.notices import print_notice
 from graphnav.processes.child import end_with
 from graphnav.processes.frames import Frame, Kind, Link
 from graphnav.processes.host_frames import SERVICE, HostKind
@@ -41,7 +42,7 @@ class HostProxy:
         """Let the host break off the step, at a signal."""
         self._is_interrupted = True
 
-    def serve(self) -> None:
+    def serve(self) -> NoReturn:
         """Pass on until the run closes its side, or the process there has ended.
 
         Raises
@@ -82,11 +83,12 @@ class HostProxy:
             self._host = link
             link.send(self._join)
             if self._told:
-                print(f"the host {self._name} is there")
+                print_notice(f"the host {self._name} is there")
         why = self._caller.failure
         if why and not self._told and time.monotonic() - self._begin_s > _PATIENCE_S:
             self._told = why
-            print(f"waits for the host {self._name}, on which runs: graphnav run GRAPH --host {self._name} ({why})")
+            started = f"graphnav run GRAPH --host {self._name}"
+            print_notice(f"waits for the host {self._name}, on which '{started}' has to run ({why})")
 
     def _pass_on(self, host: HostLink, ready: dict[int, int]) -> None:
         host.tick(time.monotonic())
@@ -116,7 +118,6 @@ class HostProxy:
 
 def _end_as(status: int) -> NoReturn:
     """End as the process on the host has ended, by the status that `subprocess` gives."""
-    sys.stdout.flush()
     if status < 0:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if -status not in (signal.SIGKILL, signal.SIGSTOP):
@@ -142,7 +143,7 @@ def main() -> int:
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return 0
     except GraphnavError as error:
-        print(error, flush=True)
+        print_notice(str(error))
         return 1
 
 

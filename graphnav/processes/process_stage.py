@@ -87,6 +87,8 @@ class ProcessStage:
 
     def prepare(self, graph: Graph) -> None:
         """Begin to make and reset the stage as another graph has it, beside the one that steps."""
+        if self._process.part.host is not None:
+            return  # `prepared` refuses it
         node = graph.node(self._node.name)
         self._prepared = self._process.prepare(
             {
@@ -101,8 +103,10 @@ class ProcessStage:
         """Return why what was prepared cannot take over, empty if it can, None while that is not known."""
         self._supervisor.wait(0.0)
         request, name = self._prepared, self._process.part.name
-        assert request is not None, "it was asked for"
         stays = f"stage '{self._node.name}' ({self._node.use}) stays as it is"
+        if (host := self._process.part.host) is not None:
+            return [Problem(None, f"{stays}: it lives on the host {host}", "change the graph on both, and start again")]
+        assert request is not None, "it was asked for"
         if self._process.is_down:
             return [Problem(None, f"{stays}: {self._process.failure}", self._process.hint)]
         if request.is_lost:

@@ -19,7 +19,7 @@ from graphnav.processes.host_link import HostListener, made_key
 from graphnav.processes.host_share import HostShare, serve_host
 from graphnav.processes.hosts import FILE, hosts_of
 from graphnav.processes.supervisor import Supervisor
-from tests.processes.conftest import Runs, is_alive, restarted, steps_graph, wait_until
+from tests.processes.conftest import Runs, is_alive, request, restarted, steps_graph, wait_until
 
 DEPLOY = """deploy:
   eyes: {stages: [first, second], host: jetson}
@@ -121,6 +121,22 @@ def test_a_host_that_ends_is_waited_for(tmp_path: Path, runs: Runs, hosted: Host
     many = runs(graph, {1.0: "hand"}, end)
     later[0].join()
     assert many.agrees_with(runs(alone(graph)))
+
+
+def test_a_stage_on_a_host_is_not_changed(tmp_path: Path, runs: Runs, hosted: Hosted) -> None:
+    graph = steps_graph(tmp_path, DEPLOY)
+    hosted(graph)
+    ran = runs(
+        graph, changes={1.0: [request("second.takes_ms=1"), request("both=steps.both", "--set both.in.two=fast")]}
+    )
+    refused, _ = ran.answers
+    assert [str(problem) for problem in refused.problems] == [
+        (
+            "stage 'second' (steps.add) stays as it is: it lives on the host jetson\n"
+            "  change the graph on both, and start again"
+        )
+    ]
+    assert ran.summary.outcome == "goal"
 
 
 @pytest.mark.parametrize(
