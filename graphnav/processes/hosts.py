@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav import FileFormat, Graph, Record, UserError, key
-from graphnav.core.errors import did_you_mean
+from graphnav import FileFormat, Graph, Record, UserError, did_you_mean, key
 from graphnav.processes.host_link import key_file, read_key
 
 FILE = "hosts.yaml"

@@ -28,6 +28,7 @@ def left_behind(tmp_path: Path) -> Iterator[Path]:
     graph.write_text(GRAPH.replace("n: 25", "n: 1000000"))
     words = ["run", str(graph), "--plugin", str(STAGES), "-o", str(folder), "--no-tap", "--no-pictures", "-d"]
     done = subprocess.run([sys.executable, "-m", "graphnav", *words], capture_output=True, text=True, check=True)
+    wait_until(lambda: any(run.folder == folder for run in RunningRun.all()))
     run = next(run for run in RunningRun.all() if run.folder == folder)
     assert f"run {run.run_id} in {folder}" in done.stdout
     wait_until(lambda: "step 3" in (folder / "printed.txt").read_text())

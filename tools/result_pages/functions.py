@@ -16,6 +16,7 @@ from graphnav.studies.ablation.results.study_values import difference as of_worl
 from result_pages.shipped_results import Cell, NotMeasuredError, ShippedResults
 
 SUCCESS = "drive.success"
+_MAX_SEEDS = 1 << 32
 
 
 def worlds(results: ShippedResults, graph: str, variant: str, *, at: str = "") -> int:
@@ -95,8 +96,7 @@ def alike(results: ShippedResults, graph: str, a: str, b: str, metric: str = SUC
 
 def apart(results: ShippedResults, graph: str, a: str, b: str, metric: str = SUCCESS, *, at: str = "") -> bool:
     """Return whether two variants are told apart, as the only question asked: p at most 0.05, and what matters."""
-    found = _difference(results, Cell(graph, a, at), Cell(graph, b, at), metric)
-    return bool(found.p <= ALPHA and found.matters and (found.low > 0 or found.high < 0))
+    return _is_apart(_difference(results, Cell(graph, a, at), Cell(graph, b, at), metric))
 
 
 def clear(results: ShippedResults, graph: str, variant: str, metric: str = SUCCESS, *, at: str = "") -> bool:
@@ -135,12 +135,38 @@ def graphs_below(results: ShippedResults, variant: str, metric: str = SUCCESS) -
 
 def graphs_apart(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> int:
     """Return on how many graphs two variants are told apart."""
-    return sum(apart(results, graph, a, b, metric) for graph in results.graphs)
+    return len(where_apart(results, a, b, metric))
+
+
+def where_apart(results: ShippedResults, a: str, b: str, metric: str) -> list[str]:
+    """Return the graphs that have a metric and on which two variants are told apart."""
+    measured = [graph for graph in results.graphs if results.values(Cell(graph, b), metric)]
+    return [graph for graph in measured if apart(results, graph, a, b, metric)]
 
 
 def graphs_alike(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> int:
     """Return on how many graphs two variants have the same value in every world."""
     return sum(alike(results, graph, a, b, metric) == worlds(results, graph, a) for graph in results.graphs)
+
+
+def arrive_of_all(results: ShippedResults, variant: str) -> int:
+    """Return how many drives of a variant arrived, on all graphs."""
+    return sum(arrive(results, graph, variant) for graph in results.graphs)
+
+
+def runs_of(results: ShippedResults, variant: str) -> int:
+    """Return how many drives a variant made, on all graphs."""
+    return sum(worlds(results, graph, variant) for graph in results.graphs)
+
+
+def difference_of_all(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> float:
+    """Return the mean of ``a - b`` over the worlds of all graphs."""
+    return _of_all(results, a, b, metric).mean
+
+
+def apart_of_all(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> bool:
+    """Return whether two variants are told apart over the worlds of all graphs, as the only question asked."""
+    return _is_apart(_of_all(results, a, b, metric))
 
 
 def n_graphs(results: ShippedResults) -> int:
@@ -156,6 +182,27 @@ def n_runs(results: ShippedResults) -> int:
 def rounded(_: ShippedResults, value: float, digits: int) -> float:
     """Return a value as it is printed."""
     return round(value, digits)
+
+
+def _of_all(results: ShippedResults, a: str, b: str, metric: str) -> Difference:
+    """Return how two variants differ over the worlds of all graphs."""
+    this, that = (
+        {
+            place * _MAX_SEEDS + seed: value
+            for place, graph in enumerate(results.graphs)
+            for seed, value in results.values(Cell(graph, variant), metric).items()
+        }
+        for variant in (a, b)
+    )
+    binary = results.is_binary(metric)
+    found = of_worlds(this, that, "higher", is_binary=binary, min_difference=results.min_difference(metric))
+    if found is None:
+        raise NotMeasuredError.of(f"'{a}' and '{b}' have no world in common with '{metric}'", "compare others")
+    return found
+
+
+def _is_apart(found: Difference) -> bool:
+    return bool(found.p <= ALPHA and found.matters and (found.low > 0 or found.high < 0))
 
 
 def _graphs_where(results: ShippedResults, variant: str, metric: str, sign: int) -> int:
@@ -221,6 +268,10 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "graphs_below": graphs_below,
     "graphs_apart": graphs_apart,
     "graphs_alike": graphs_alike,
+    "arrive_of_all": arrive_of_all,
+    "runs_of": runs_of,
+    "difference_of_all": difference_of_all,
+    "apart_of_all": apart_of_all,
     "n_graphs": n_graphs,
     "n_runs": n_runs,
     "round": rounded,

@@ -1,4 +1,4 @@
-"""The section on rivals with equal knowledge, written from the results of the study ``rivals`` once they ship.
+"""The section on rivals with equal knowledge, written from the results of ``rivals`` and ``rivals_barn`` that ship.
 
 Between ``<!-- section rivals -->`` and ``<!-- end of section -->`` stands nothing as long as there are none. Every
 sentence gets its check, as sentences written by hand have it; tables are filled in by `tables`.
@@ -10,84 +10,115 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from result_pages.functions import apart, arrive, difference, worlds
+from result_pages.functions import (
+    apart_of_all,
+    arrive,
+    arrive_of_all,
+    difference,
+    difference_of_all,
+    runs_of,
+    where_apart,
+    worlds,
+)
 from result_pages.shipped_results import FILE, RESULTS, ShippedResults
 
-STUDY = "rivals"
 BASE, TRUTH, ICA, ONE_GAIN = "homography", "truth", "ica", "one gain"
 DETECTORS = ("one gain", "residual", "affine", "appearance", "learned", "all ground")
 PLANNERS = ("vfh", "dwa", "gap")
-METRICS = {"drive.success": "arriving", "drive.spl": "SPL"}
+MIN_DRIVES = 6
+"""Fewer cannot be told apart at 0.05, whatever they are."""
+SUITE, BARN = "rivals", "rivals_barn"
+METRICS = {
+    SUITE: {"drive.success": "arriving", "drive.spl": "SPL"},
+    BARN: {"drive.success": "arriving", "drive.barn_metric": "the challenge's metric"},
+}
+"""By study: what is compared, and the words for it."""
+TABLES = {
+    SUITE: (
+        ("Drives that arrive:", "arrive(graph, variant)"),
+        ("SPL, the mean of all drives, 0 for one that failed:", 'mean(graph, variant, "drive.spl"); digits 2'),
+    ),
+    BARN: (
+        ("Drives that arrive:", "arrive(graph, variant)"),
+        ("The challenge's metric, the mean of all drives:", 'mean(graph, variant, "drive.barn_metric"); digits 3'),
+    ),
+}
 _SECTION = re.compile(r"(?P<begin><!-- section rivals -->\n).*?(?P<end><!-- end of section -->)", re.DOTALL)
 
 
 def with_rivals(markdown: str, folder: Path = RESULTS) -> str:
     """Return a page with the section written again; empty where the results do not ship."""
-    text = ""
-    if (folder / STUDY / FILE).is_file():
-        text = "\n".join(["", *_section(ShippedResults.read(STUDY, folder)), "", ""])
+    lines = []
+    for study in METRICS:
+        if (folder / study / FILE).is_file():
+            lines += ["", *_section(study, ShippedResults.read(study, folder)), ""]
+    text = "\n".join([*lines, ""]) if lines else ""
     return _SECTION.sub(lambda found: f"{found['begin']}{text}{found['end']}", markdown)
 
 
-def _section(results: ShippedResults) -> Iterator[str]:
-    yield "## Rivals with equal knowledge"
+def _section(study: str, results: ShippedResults) -> Iterator[str]:
+    n = f"n_graphs() == {len(results.graphs)}"
+    yield "## Rivals with equal knowledge" if study == SUITE else "### The same rivals in worlds of BARN"
     yield ""
-    yield from _about(results)
-    for title, expression in (
-        ("Drives that arrive:", "arrive(graph, variant)"),
-        ("SPL, the mean of all drives, 0 for one that failed:", 'mean(graph, variant, "drive.spl"); digits 2'),
-    ):
+    yield from _about(study, results)
+    for title, expression in TABLES[study]:
         yield title
-        yield f"<!-- check {STUDY}: given 0; n_graphs() == {len(results.graphs)} -->"
+        yield f"<!-- check {study}: given 0; {n} -->"
         yield ""
-        yield f"<!-- table {STUDY}: {expression} -->"
+        yield f"<!-- table {study}: {expression} -->"
         yield "<!-- end of table -->"
         yield ""
     yield "**What it says of ICA**, with the same map, path, control and guard, and no odometry for any of them:"
-    yield f"<!-- check {STUDY}: n_graphs() == {len(results.graphs)} -->"
+    yield f"<!-- check {study}: {n} -->"
     yield ""
     for other, name in ((BASE, "the homography"), (ONE_GAIN, "one gain"), (TRUTH, "the true obstacles")):
-        yield from _compared(results, ICA, "ICA", other, name)
+        yield from _compared(study, results, ICA, "ICA", other, name)
     yield ""
     yield "**What a detector is worth**, each beside the homography:"
-    yield f"<!-- check {STUDY}: n_graphs() == {len(results.graphs)} -->"
+    yield f"<!-- check {study}: {n} -->"
     yield ""
     for variant in (*DETECTORS, TRUTH):
-        yield from _compared(results, variant, f"`{variant}`", BASE, "the homography")
+        yield from _compared(study, results, variant, f"`{variant}`", BASE, "the homography")
     yield ""
     yield "**What a planner is worth**, each beside the path on the same map:"
-    yield f"<!-- check {STUDY}: n_graphs() == {len(results.graphs)} -->"
+    yield f"<!-- check {study}: {n} -->"
     yield ""
+    seen, true = "the path, on what the homography sees", "the path, on the true obstacles"
     for planner in PLANNERS:
-        yield from _compared(results, planner, f"`{planner}`", BASE, "the path, on what the homography sees")
-        yield from _compared(
-            results, f"{planner} truth", f"`{planner} truth`", TRUTH, "the path, on the true obstacles"
-        )
+        yield from _compared(study, results, planner, f"`{planner}`", BASE, seen)
+        yield from _compared(study, results, f"{planner} truth", f"`{planner} truth`", TRUTH, true)
 
 
-def _about(results: ShippedResults) -> Iterator[str]:
+def _about(study: str, results: ShippedResults) -> Iterator[str]:
     """Yield how the study was made."""
     seeds = sorted({int(row["seed"]) for row in results.rows})
     runs = {graph: worlds(results, graph, BASE) for graph in results.graphs}
     few = [graph for graph, count in runs.items() if count < max(runs.values())]
     but = "".join(f", {runs[graph]} of `{_short(graph)}`" for graph in few)
+    is_range = seeds == list(range(seeds[0], seeds[-1] + 1))
+    written = f"{seeds[0]}:{seeds[-1] + 1}" if is_range else ",".join(map(str, seeds))
+    what = f"{max(runs.values())} seeds a world{but}" if study == SUITE else f"{len(seeds)} worlds, one drive each"
     yield (
-        f"`graphnav ablate rivals --seeds {seeds[0]}:{seeds[-1] + 1}`, [all metrics](rivals/table.md), "
-        f"[every run](rivals/results.csv): {max(runs.values())} seeds a world{but}. "
+        f"`graphnav ablate {study} --seeds {written}`, [all metrics]({study}/table.md), "
+        f"[every run]({study}/results.csv): {what}. "
         "[How it is fair](../explanation/navigate.md#rivals-with-equal-knowledge)."
     )
+    if len(results.graphs) > 1 and not _are_alone(results):
+        yield "So few drives tell nothing apart in a single world; methods are compared over the drives of all worlds."
+    given = " ".join(dict.fromkeys(written.replace(":", ",").split(",")))
     checks = "; ".join(f'worlds("{graph}", "{BASE}") == {count}' for graph, count in runs.items())
-    yield f"<!-- check {STUDY}: given {seeds[0]} {seeds[-1] + 1}; {checks} -->"
+    yield f"<!-- check {study}: given {given}; {checks} -->"
     yield ""
 
 
-def _compared(results: ShippedResults, a: str, name: str, b: str, other: str) -> Iterator[str]:
-    """Yield a list item: where two variants are told apart, by arriving and by SPL."""
+def _compared(study: str, results: ShippedResults, a: str, name: str, b: str, other: str) -> Iterator[str]:
+    """Yield a list item: where two variants are told apart, over all drives and in single worlds."""
     if {a, b} - set(results.variants):
         return
-    parts, checks = [], [f"n_graphs() == {len(results.graphs)}"]
-    for metric, word in METRICS.items():
-        told = [graph for graph in results.graphs if apart(results, graph, a, b, metric)]
+    said, checks = _compared_over_all(study, results, a, b)
+    parts = []
+    for metric, word in METRICS[study].items() if _are_alone(results) else ():
+        told = where_apart(results, a, b, metric)
         better = [graph for graph in told if difference(results, graph, a, b, metric) > 0]
         worse = [graph for graph in told if graph not in better]
         checks.append(f'graphs_apart("{a}", "{b}", "{metric}") == {len(told)}')
@@ -100,8 +131,35 @@ def _compared(results: ShippedResults, a: str, name: str, b: str, other: str) ->
             for graph in told
             for variant in (a, b)
         ]
-    yield f"- **{name}** and {other}, in {len(results.graphs)} worlds: {'; '.join(parts)}."
-    yield f"  <!-- check {STUDY}: {'; '.join(dict.fromkeys(checks))} -->"
+    alone = f" World by world: {'; '.join(parts)}." if parts else ""
+    yield f"- **{name}** and {other}: {said}.{alone}"
+    yield f"  <!-- check {study}: {'; '.join(dict.fromkeys(checks))} -->"
+
+
+def _are_alone(results: ShippedResults) -> bool:
+    """Whether single worlds have enough drives to tell methods apart, and there are several."""
+    return len(results.graphs) > 1 and max(worlds(results, graph, BASE) for graph in results.graphs) >= MIN_DRIVES
+
+
+def _compared_over_all(study: str, results: ShippedResults, a: str, b: str) -> tuple[str, list[str]]:
+    """Return how two variants compare over the drives in all worlds, and the checks of that."""
+    n = runs_of(results, a)
+    arrived = arrive_of_all(results, a), arrive_of_all(results, b)
+    checks = [f"n_graphs() == {len(results.graphs)}", f'runs_of("{a}") == {n}']
+    checks += [f'arrive_of_all("{one}") == {count}' for one, count in zip((a, b), arrived, strict=True)]
+    words = []
+    for metric, word in METRICS[study].items():
+        if not apart_of_all(results, a, b, metric):
+            checks.append(f'not apart_of_all("{a}", "{b}", "{metric}")')
+            words.append(f"by {word} not told apart")
+            continue
+        is_ahead = difference_of_all(results, a, b, metric) > 0
+        checks += [
+            f'apart_of_all("{a}", "{b}", "{metric}")',
+            f'difference_of_all("{a}", "{b}", "{metric}") {">" if is_ahead else "<"} 0',
+        ]
+        words.append(f"by {word} {'ahead' if is_ahead else 'behind'}")
+    return f"{arrived[0]} and {arrived[1]} of {n} drives arrive, {', '.join(words)}", checks
 
 
 def _listed(results: ShippedResults, graphs: Sequence[str], a: str, b: str) -> str:

@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
     from graphnav.core.catalog import Catalog
     from graphnav.core.graph import Graph
+    from graphnav.core.machine.console import Console
     from graphnav.core.runner.recording.full_log import FullLog
     from graphnav.core.runner.recording.run_recorded import LiveSink
+    from graphnav.core.runner.recording.stall import StallLimit
     from graphnav.core.runner.recording.summary import Summary
     from graphnav.core.stage import Stage
 
@@ -204,9 +206,36 @@ def _run(
     from graphnav.core.machine.console import Console
     from graphnav.core.runner.recording.changes import Changes
     from graphnav.core.runner.recording.running_file import RunningFile
-    from graphnav.core.runner.recording.stall import StallLimit
 
     bar = Console(stderr=True)
+
+    with (
+        Changes(run_id, graph, catalog) as changes,
+        progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick,
+        RunningFile(run_id, graph.path.stem, folder, is_live=is_live, takes_changes=changes.is_listening),
+    ):
+        return execute(
+            graph,
+            stages,
+            folder,
+            is_live=is_live,
+            pace=args.pace,
+            url=args.url,
+            tap=tap,
+            run_id=run_id,
+            on_time=lambda run_s: on_tick(round(run_s * 1e6)),
+            on_failure=report,
+            notice=print_notice,
+            stall=_stall_limit(args, folder, bar),
+            full=full,
+            changes=changes,
+            hosts=hosts,
+        )
+
+
+def _stall_limit(args: CommandArguments, folder: Path, bar: Console) -> StallLimit | None:
+    """Return the limit of a call into a stage, as the user gives it."""
+    from graphnav.core.runner.recording.stall import StallLimit
 
     def tell_stalled(summary: Summary) -> None:
         bar.show_cursor()
@@ -216,23 +245,4 @@ def _run(
         sys.stdout.flush()
         sys.stderr.flush()
 
-    with Changes(run_id, graph, catalog) as changes, progress_bar(bar, graph.path.stem, graph.run.until_s) as on_tick:
-        listens = changes.is_listening
-        with RunningFile(run_id, graph.path.stem, folder, is_live=is_live, takes_changes=listens):
-            return execute(
-                graph,
-                stages,
-                folder,
-                is_live=is_live,
-                pace=args.pace,
-                url=args.url,
-                tap=tap,
-                run_id=run_id,
-                on_time=lambda run_s: on_tick(round(run_s * 1e6)),
-                on_failure=report,
-                notice=print_notice,
-                stall=None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled),
-                full=full,
-                changes=changes,
-                hosts=hosts,
-            )
+    return None if args.stall_s is None else StallLimit(args.stall_s, tell_stalled)
