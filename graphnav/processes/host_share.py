@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import select
 import signal
 import time
 from collections.abc import Callable, Mapping
 from contextlib import closing, suppress
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 from graphnav import Graph, UserError
@@ -24,6 +25,8 @@ from graphnav.processes.output_lines import OutputLines
 
 _LOOK_S = 0.1
 _JOIN_S = 5.0
+_END_S = 1.0
+"""How long a process may take to end that has closed its side of the connection."""
 
 
 class HostedProcess:
@@ -42,6 +45,8 @@ class HostedProcess:
         """Frames of the run from before the process was there."""
         self.refusal = ""
         """Why the run cannot have what it wants."""
+        self.killed_s = math.inf
+        """When the process is killed, which has closed its side of the connection and has not ended, monotonic s."""
 
 
 class HostShare:
@@ -93,13 +98,15 @@ class HostShare:
 
     def _accept(self) -> None:
         """Take the connection of a process that was started."""
-        waiting = {one.running.popen.pid: one for one in self._hosted if one.running is not None and one.stages is None}
+        hosted = [one for one in self._hosted if one.stages is None and one.killed_s == math.inf]
+        waiting = {one.running.popen.pid: one for one in hosted if one.running is not None}
         found = self._children.accept(waiting.keys())
         if found is not None:
             one = waiting[found[0]]
             one.stages = Link(found[1])
             for frame in one.asked:
                 self._tell(one, frame)
+            one.asked.clear()
 
     def _go_on(self, one: HostedProcess, ready: Mapping[int, int]) -> None:
         """Pass on what a run and its process say."""
@@ -114,6 +121,8 @@ class HostShare:
             self._drop(one, str(error) if one.part is not None else "")
         if one.part is None and time.monotonic() - one.joined_s > _JOIN_S and one in self._hosted:
             self._drop(one)
+        if time.monotonic() > one.killed_s and one.running is not None:
+            one.running.popen.kill()
 
     def _hear(self, one: HostedProcess, ready: Mapping[int, int]) -> None:
         """Pass on what a process says, and its end."""
@@ -121,10 +130,13 @@ class HostShare:
         if running is not None and running.pid_fd in ready:
             self._note_end(one, running)
         elif stages is not None and stages.fileno() in ready:
-            with suppress(EOFError, OSError):  # it is ending
+            try:
                 stages.send_more()
                 while (answer := stages.receive()) is not None:
                     one.link.send(answer)
+            except (EOFError, OSError):
+                stages.close()
+                one.stages, one.killed_s = None, time.monotonic() + _END_S
 
     def _note_end(self, one: HostedProcess, running: Running) -> None:
         """Tell the run that its process has ended, after what it has said."""
@@ -147,13 +159,14 @@ class HostShare:
             if one.running is not None:
                 one.running.popen.send_signal(signal.SIGINT)
         elif frame.kind == Kind.SETUP and one.running is None:
-            self._start(one, frame)
+            self._start(one, one.part, frame)
         elif one.running is not None:
             self._tell(one, frame)
 
     def _tell(self, one: HostedProcess, frame: Frame) -> None:
         if one.stages is None:
-            one.asked.append(frame)
+            if one.killed_s == math.inf:
+                one.asked.append(frame)
             return
         with suppress(OSError):  # it has ended, which its descriptor tells
             one.stages.send(frame)
@@ -181,28 +194,34 @@ class HostShare:
         one.part = part
         self._notice(f"process '{part.name}' for the run at {one.link.peer}")
 
-    def _start(self, one: HostedProcess, frame: Frame) -> None:
+    def _start(self, one: HostedProcess, part: Part, frame: Frame) -> None:
         """Start the process that a run wants, with the stages as this host has them."""
-        assert one.part is not None, "it has joined"
+        try:
+            setup = self._setup(part, frame.head)
+        except (KeyError, TypeError, ValueError) as error:  # of another version
+            raise LinkError(f"{one.link.peer} does not say what it wants", Refusal.FOREIGN) from error
         self._n_started += 1
-        name, notice = one.part.name, self._notice
         try:
             one.running = self._children.start(
-                f"{name}/{self._n_started}", child.__name__, (), lambda stream: OutputLines(name, stream, None, notice)
+                f"{part.name}/{self._n_started}",
+                child.__name__,
+                (),
+                lambda stream: OutputLines(part.name, stream, None, self._notice),
             )
         except OSError as error:
-            one.link.send(Frame(Kind.ANSWER, f"its process '{name}' cannot be started: {error.strerror or error}"))
+            why = f"its process '{part.name}' cannot be started: {error.strerror or error}"
+            one.link.send(Frame(Kind.ANSWER, why))
             return
-        self._tell(one, Frame(Kind.SETUP, self._setup(one.part, frame.head)))
+        self._tell(one, Frame(Kind.SETUP, setup))
 
     def _setup(self, part: Part, given: Mapping[str, Any]) -> dict[str, Any]:
         """Return what a process is told of its stages, with the paths of this host in place of those of the run."""
-        own = [str(path) for path in self._graph.plugins]
-        names = dict(zip(given["plugins"], own, strict=True))
+        own = {path.name: str(path) for path in self._graph.plugins}
+        names = {path: own.get(PurePath(path).name, path) for path in given["plugins"]}
         return {
             **given,
             "path": str(self._graph.path),
-            "plugins": own,
+            "plugins": [str(path) for path in self._graph.plugins],
             "graph": part_yaml(self._graph, part.stages),
             "versions": {names.get(name, name): version for name, version in given["versions"].items()},
         }

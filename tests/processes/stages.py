@@ -1,6 +1,8 @@
 """Stages that count, fail, print, end their process, or start others, for graphs whose stages live in processes."""
 
+import contextlib
 import os
+import socket
 import subprocess
 import sys
 import time
@@ -119,6 +121,11 @@ class Pass(Stage):
             print(f"step {self._n}\x1b[2J")
         if self.what == "hang":
             Path(self.file).write_text(str(os.getpid()))
+            time.sleep(600)
+        if self.what == "shut":
+            for name in os.listdir("/proc/self/fd"):
+                with contextlib.suppress(OSError), socket.socket(fileno=os.dup(int(name))) as found:
+                    found.shutdown(socket.SHUT_RDWR)
             time.sleep(600)
         if self.what == "start":
             command = [sys.executable, "-c", "import time; time.sleep(600)"]

@@ -107,6 +107,13 @@ def test_a_process_that_dies_there_is_fed_again(tmp_path: Path, runs: Runs, host
     assert sum("process 'eyes' was killed by SIGKILL: it is started again" in line for line in many.notices) == 2
 
 
+def test_a_process_that_hangs_up_is_ended(tmp_path: Path, runs: Runs, hosted: Hosted) -> None:
+    graph = steps_graph(tmp_path, DEPLOY, first="{at: 3, what: shut}")
+    hosted(graph)
+    ran = runs(graph)
+    assert "its process 'eyes' was killed by SIGKILL" in str(ran.summary.failure)
+
+
 def test_a_host_that_ends_is_waited_for(tmp_path: Path, runs: Runs, hosted: Hosted) -> None:
     graph = restarted(steps_graph(tmp_path, DEPLOY))
     first = hosted(graph)
