@@ -15,14 +15,8 @@ _PR_SET_PDEATHSIG = 1
 
 def main() -> int:
     """Serve the run until it closes its side."""
-    address, parent = sys.argv[1], int(sys.argv[2])
-    end_with(parent)
-    for number in (signal.SIGINT, signal.SIGTERM):  # sent to a group: this process ends with the run
-        signal.signal(number, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_SETMASK, [])  # blocked signals are inherited from the parent thread
-    link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    link.connect(address)
-    if peer_of(link) != (parent, os.getuid()):
+    link = connected(sys.argv[1], int(sys.argv[2]))
+    if link is None:
         return 1
     from graphnav.processes.hosted_stages import serve  # noqa: PLC0415 - it takes time, in which the run may end
 
@@ -30,11 +24,17 @@ def main() -> int:
     return 0
 
 
-def end_with(parent: int) -> None:
-    """Let the kernel end this process with the thread that started it."""
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+def connected(address: str, parent: int) -> socket.socket | None:
+    """Let this process end with the one that has started it, and connect to that; None if another one listens there."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)  # with the thread that started it
     if os.getppid() != parent:
-        os._exit(1)
+        return None
+    for number in (signal.SIGINT, signal.SIGTERM):  # sent to a group: this process ends with the run
+        signal.signal(number, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_SETMASK, [])  # blocked signals are inherited from the parent thread
+    link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    link.connect(address)
+    return link if peer_of(link) == (parent, os.getuid()) else None
 
 
 if __name__ == "__main__":

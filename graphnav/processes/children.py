@@ -40,7 +40,7 @@ class Children:
     Raises
     ------
     GraphnavError
-        There is no place for the socket.
+        The socket cannot be made.
     """
 
     def __init__(self, run: str, backlog: int) -> None:

@@ -46,6 +46,12 @@ class Kind(IntEnum):
     """Forget that stage."""
     CHANGE = 9
     """Let that stage make all further steps; if it is not prepared, make it first."""
+    JOIN = 10
+    """To another host, the first: which process is wanted there."""
+    INTERRUPT = 11
+    """To another host: break off the step."""
+    ENDED = 12
+    """Of another host, the last: by which status the process has ended."""
 
 
 class Frame(NamedTuple):

@@ -111,7 +111,7 @@ def read_key(path: Path) -> bytes:
     Raises
     ------
     UserError
-        There is none, or other users may read it.
+        It is missing, or other users may read it.
     """
     try:
         found = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
@@ -122,7 +122,7 @@ def read_key(path: Path) -> bytes:
         hint = (
             f"'graphnav tunnel --serve' or 'run --host' on the other host makes one: copy it, with mode 0600, to {path}"
         )
-        raise UserError.of(f"there is no key in {path}", hint) from error
+        raise UserError.of(f"the key {path} does not exist", hint) from error
     except OSError as error:
         raise UserError.of(f"cannot read the key in {path}: {error.strerror}", "name another file: --key") from error
     if mode & 0o077:
@@ -260,6 +260,13 @@ class HostLink:
         if now_s - self._sent_s >= _ALIVE_S and not self.is_sending:
             self.send(Frame(_Kind.ALIVE, None))
 
+    def go_on(self, ready: Collection[int], now_s: float) -> None:
+        """Go on with proving, if there is something to do; raises LinkError as `receive` and `tick` do."""
+        if self.fileno() in ready:
+            self.send_more()
+            self.receive()
+        self.tick(now_s)
+
     def refuse(self, reason: Refusal) -> None:
         """Tell the other end why this one closes the connection, and close it."""
         with suppress(LinkError):
@@ -369,10 +376,7 @@ class HostListener:
         proven, now_s = [], time.monotonic()
         for link in tuple(self._unproven):
             try:
-                if link.fileno() in ready:
-                    link.send_more()
-                    link.receive()
-                link.tick(now_s)
+                link.go_on(ready, now_s)
             except LinkError as error:
                 self._drop(link, error.reason)
                 continue
@@ -420,7 +424,7 @@ class HostListener:
 class HostCaller:
     """Calls a host until it answers, and again after a cut, with pauses of 0.2 to 2 s.
 
-    ``failure``: why there is no link, empty while there is one or the first attempt is made. It closes no connections
+    ``failure``: why it has not connected, empty while it has or makes the first attempt. It closes no connections
     of others: ``refused`` is as of a `HostListener`.
     """
 
@@ -488,10 +492,7 @@ class HostCaller:
 
     def _go_on(self, link: HostLink, ready: Collection[int], now_s: float) -> list[HostLink]:
         try:
-            if link.fileno() in ready:
-                link.send_more()
-                link.receive()
-            link.tick(now_s)
+            link.go_on(ready, now_s)
         except LinkError as error:
             self._link = None
             link.close()

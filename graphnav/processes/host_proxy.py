@@ -9,19 +9,17 @@ import os
 import resource
 import select
 import signal
-import socket
 import sys
 import time
 from pathlib import Path
 from typing import NoReturn
 
 from graphnav import GraphnavError
-from graphnav.core.machine import peer_of
 from graphnav.core.notices import print_notice
-from graphnav.processes.child import end_with
+from graphnav.processes.child import connected
 from graphnav.processes.frames import Frame, Kind, Link
-from graphnav.processes.host_frames import SERVICE, HostKind
 from graphnav.processes.host_link import HostCaller, HostLink, LinkError, events_of, read_key
+from graphnav.processes.hosts import SERVICE
 
 _LOOK_S = 0.05
 _PATIENCE_S = 1.0
@@ -94,11 +92,11 @@ class HostProxy:
         host.tick(time.monotonic())
         if self._is_interrupted:
             self._is_interrupted = False
-            host.send(Frame(HostKind.INTERRUPT, None))
+            host.send(Frame(Kind.INTERRUPT, None))
         if host.fileno() in ready:
             host.send_more()
             while (frame := host.receive()) is not None:
-                if frame.kind == HostKind.ENDED:
+                if frame.kind == Kind.ENDED:
                     _end_as(int(frame.head))
                 self._run.send(frame)
         if self._run.fileno() in ready:
@@ -129,13 +127,10 @@ def _end_as(status: int) -> NoReturn:
 def main() -> int:
     """Stand for a process until the run closes its side."""
     address, parent, name, at, port, key, run, part, same = sys.argv[1:]
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with(int(parent))
-    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    connection.connect(address)
-    if peer_of(connection) != (int(parent), os.getuid()):
+    connection = connected(address, int(parent))
+    if connection is None:
         return 1
-    join = Frame(HostKind.JOIN, {"run": run, "part": part, "host": name, "graph": same})
+    join = Frame(Kind.JOIN, {"run": run, "part": part, "host": name, "graph": same})
     try:
         proxy = HostProxy(Link(connection), HostCaller(at, int(port), read_key(Path(key)), SERVICE), name, join)
         signal.signal(signal.SIGINT, proxy.interrupt)

@@ -18,9 +18,8 @@ from graphnav.core.runner import new_run_id
 from graphnav.processes import child
 from graphnav.processes.children import Children, Running
 from graphnav.processes.frames import Frame, Kind, Link
-from graphnav.processes.host_frames import SERVICE, HostKind, fingerprint
 from graphnav.processes.host_link import HostLink, HostListener, LinkError, Refusal, events_of, key_file, made_key
-from graphnav.processes.hosts import port_of
+from graphnav.processes.hosts import SERVICE, fingerprint, port_of
 from graphnav.processes.output_lines import OutputLines
 
 _LOOK_S = 0.1
@@ -146,7 +145,7 @@ class HostShare:
                     one.link.send(answer)
         one.running = None
         status = self._children.reap(running)
-        one.link.send(Frame(HostKind.ENDED, status))
+        one.link.send(Frame(Kind.ENDED, status))
         self._drop(one)
 
     def _take(self, one: HostedProcess, frame: Frame) -> None:
@@ -155,7 +154,7 @@ class HostShare:
             one.link.send(Frame(Kind.ANSWER, one.refusal))
         elif one.part is None:
             self._join(one, frame)
-        elif frame.kind == HostKind.INTERRUPT:
+        elif frame.kind == Kind.INTERRUPT:
             if one.running is not None:
                 one.running.popen.send_signal(signal.SIGINT)
         elif frame.kind == Kind.SETUP and one.running is None:
@@ -174,7 +173,7 @@ class HostShare:
     def _join(self, one: HostedProcess, frame: Frame) -> None:
         """Learn which process a run wants, and whether it can have it."""
         head = frame.head if isinstance(frame.head, dict) else {}
-        if frame.kind != HostKind.JOIN:
+        if frame.kind != Kind.JOIN:
             raise LinkError(f"{one.link.peer} does not say what it wants", Refusal.FOREIGN)
         one.run = str(head.get("run"))
         part = self._parts.get(str(head.get("part")))
@@ -249,7 +248,7 @@ def serve_host(graph: Graph, name: str, hosts: Path | None, key: Path | None, no
     UserError
         No process of the graph lives on the host, the file or the key cannot be read, or the port is not free.
     GraphnavError
-        There is no place for the sockets of the processes.
+        The socket for the processes cannot be made.
     """
     parts = [part.name for part in graph.deploy.values() if part.host == name]
     if not parts:

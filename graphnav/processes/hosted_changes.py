@@ -101,7 +101,7 @@ class HostedChanges:
         """
         graph = part_of(head["graph"], self._path, self._catalog, loads_plugins=False)
         (node,) = graph.nodes
-        versions = self._versions(node.use.partition(".")[0], head["versions"])
+        versions = self._versions(node.family, head["versions"])
         stage = graph.make_stages(head["read"])[node.name]
         try:
             reset_stage(stage, node, graph.run.seed)
@@ -123,7 +123,7 @@ class HostedChanges:
 
 
 def _patience_s(stage: Stage, node: Node) -> float:
-    if not any(i.port.since for i in node.inputs):
+    if not node.has_since:
         return 0.0
     try:
         with third_party_code():

@@ -12,7 +12,7 @@ from typing import Any
 
 from graphnav import GraphnavError
 from graphnav.core.catalog import Catalog
-from graphnav.core.graph import Channel, Node, part_of
+from graphnav.core.graph import Channel, part_of
 from graphnav.core.interrupts import CtrlC, raise_ctrl_c
 from graphnav.core.runner import LiveStep, LockstepEngine, Timer, decoded, difference_here
 from graphnav.processes.frames import Frame, Kind, receive, send
@@ -60,7 +60,7 @@ class HostedStages:
     def __init__(self, setup: dict[str, Any]) -> None:
         path, catalog = Path(setup["path"]), Catalog()
         graph = part_of(setup["graph"], path, catalog)
-        self.changes = HostedChanges(path, catalog, {node.use.partition(".")[0] for node in graph.nodes})
+        self.changes = HostedChanges(path, catalog, {node.family for node in graph.nodes})
         """Makes what is to take the place of a stage."""
         self._read = frozenset(setup["read"])
         stages = graph.make_stages(self._read)
@@ -93,7 +93,7 @@ class HostedStages:
 
         def reset() -> list[float]:
             self._engine.reset(seed)
-            return [unit.patience_s() if _has_since(unit.node) else 0.0 for unit in self._units]
+            return [unit.patience_s() if unit.node.has_since else 0.0 for unit in self._units]
 
         return _called(reset)
 
@@ -165,10 +165,6 @@ class HostedStages:
 
     def _keep(self, channel: Channel, utime: int, _number: int, _message: object, data: bytes) -> None:
         self._outputs.append((channel, utime, data))
-
-
-def _has_since(node: Node) -> bool:
-    return any(i.port.since for i in node.inputs)
 
 
 def _called(call: Callable[[], Any]) -> Frame:

@@ -1,15 +1,21 @@
-"""``hosts.yaml``: where the hosts are on which stages live."""
+"""The hosts on which stages live: where they are, as ``hosts.yaml`` says, and what they must have alike."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from graphnav import FileFormat, Graph, Record, UserError, did_you_mean, key
+from graphnav.core.graph import resolved_yaml
+from graphnav.core.spec import RunOptions
 from graphnav.processes.host_link import key_file, read_key
 
 FILE = "hosts.yaml"
+SERVICE = "host of stages"
+"""As `host_link` calls what a host offers."""
 DEFAULT_PORT = 7669
 
 
@@ -62,7 +68,7 @@ def hosts_of(graph: Graph, given: Path | None = None, key_path: Path | None = No
     Raises
     ------
     UserError
-        There is no file, it does not name a host, it is wrong, or there is no key.
+        The file is missing or wrong, or does not name a host, or the key is missing.
     """
     wanted = {part.host: part.name for part in graph.deploy.values() if part.host is not None}
     if not wanted:
@@ -70,7 +76,7 @@ def hosts_of(graph: Graph, given: Path | None = None, key_path: Path | None = No
     file = _file(graph, given)
     if file is None:
         names = ", ".join(f"{name}: {{address: 192.168.1.5}}" for name in wanted)
-        what = f"there is no {FILE}, beside the graph or here, which says where {', '.join(wanted)} is"
+        what = f"{FILE} is missing, beside the graph and here: it says where {', '.join(wanted)} is"
         raise UserError.of(what, f"write hosts: {{{names}}} into one")
     found = _read(file)
     for name, part in wanted.items():
@@ -93,6 +99,16 @@ def port_of(graph: Graph, name: str, given: Path | None) -> int:
     path = _file(graph, given)
     found = {} if path is None else _read(path)
     return found[name].port if name in found else DEFAULT_PORT
+
+
+def fingerprint(graph: Graph, host: str) -> str:
+    """Return what two machines must have alike of a host's processes: all values, with paths as they are written."""
+    parts = {name: part for name, part in graph.deploy.items() if part.host == host}
+    stages = {stage for part in parts.values() for stage in part.stages}
+    nodes = tuple(node for node in graph.nodes if node.name in stages)
+    alone = replace(graph, about="", nodes=nodes, deploy=parts, run=RunOptions(), inputs={}, outputs={}, queues={})
+    alone = replace(alone, notices=(), file_notices=())
+    return hashlib.sha256(resolved_yaml(alone).encode()).hexdigest()
 
 
 def _file(graph: Graph, given: Path | None) -> Path | None:

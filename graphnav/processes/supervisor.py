@@ -16,8 +16,7 @@ from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import CODE, ProcessState, new_run_id, provenance
 from graphnav.processes import child, host_proxy
 from graphnav.processes.children import Children, Running
-from graphnav.processes.host_frames import fingerprint
-from graphnav.processes.hosts import Host, hosts_of
+from graphnav.processes.hosts import Host, fingerprint, hosts_of
 from graphnav.processes.journal import Journal
 from graphnav.processes.output_lines import OutputLines
 from graphnav.processes.restarts import Restarts, ending
@@ -244,7 +243,7 @@ class Supervisor:
 
     def _setup(self, graph: Graph, part: Part) -> dict[str, Any]:
         """Return what a process is told of its stages when it starts."""
-        families = {f"{CODE}{_family(node)}" for node in graph.nodes if node.name in part.stages}
+        families = {f"{CODE}{node.family}" for node in graph.nodes if node.name in part.stages}
         return {
             "path": str(graph.path),
             "read": sorted(graph.read),
@@ -259,7 +258,7 @@ class Supervisor:
 
     def versions_of(self, node: Node) -> dict[str, str]:
         """Return the version of the code of a stage as the run has it; empty if it has none so far."""
-        name = f"{CODE}{_family(node)}"
+        name = f"{CODE}{node.family}"
         return {name: self._versions[name]} if name in self._versions else {}
 
     def note_change(self, process: StageProcess, graph: Graph, versions: Mapping[str, str]) -> None:
@@ -400,10 +399,6 @@ class Supervisor:
         process.disconnected()
 
 
-def _family(node: Node) -> str:
-    return node.use.partition(".")[0]
-
-
 def _versions(graph: Graph) -> dict[str, str]:
     """Return what the processes must have as this one has it: versions, and the code of the stages."""
-    return provenance(set(map(_family, graph.nodes)), [str(path) for path in graph.plugins])
+    return provenance({node.family for node in graph.nodes}, [str(path) for path in graph.plugins])

@@ -345,7 +345,7 @@ def test_a_key_that_is_missing_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(UserError) as error:
         read_key(path)
     assert str(error.value) == (
-        f"there is no key in {path}\n"
+        f"the key {path} does not exist\n"
         f"  'graphnav tunnel --serve' or 'run --host' on the other host makes one: copy it, with mode 0600, to {path}"
     )
     with pytest.raises(UserError, match=r"does not contain a key|cannot read"):

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -13,13 +16,23 @@ import pytest
 
 from graphnav import UserError
 from graphnav.core.graph import Graph
+from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome
-from graphnav.processes.host_frames import SERVICE
 from graphnav.processes.host_link import HostListener, made_key
 from graphnav.processes.host_share import HostShare, serve_host
-from graphnav.processes.hosts import FILE, hosts_of
+from graphnav.processes.hosts import FILE, SERVICE, hosts_of
 from graphnav.processes.supervisor import Supervisor
-from tests.processes.conftest import Runs, is_alive, request, restarted, steps_graph, wait_until
+from tests.processes.conftest import (
+    PATIENCE_S,
+    STAGES,
+    STEPS,
+    Runs,
+    is_alive,
+    request,
+    restarted,
+    steps_graph,
+    wait_until,
+)
 
 DEPLOY = """deploy:
   eyes: {stages: [first, second], host: jetson}
@@ -130,6 +143,23 @@ def test_a_host_that_ends_is_waited_for(tmp_path: Path, runs: Runs, hosted: Host
     assert many.agrees_with(runs(alone(graph)))
 
 
+def test_ctrl_c_breaks_off_a_step_on_a_host(tmp_path: Path, hosted: Hosted) -> None:
+    hangs = tmp_path / "hangs"
+    graph = steps_graph(tmp_path, DEPLOY, first=f"{{at: 3, what: hang, file: {hangs}}}")
+    graph.path.write_text(
+        STEPS.format(deploy=DEPLOY, first=f"{{at: 3, what: hang, file: {hangs}}}", third="{}", more="")
+    )
+    hosted(graph)
+    words = ["run", str(graph.path), "--plugin", str(STAGES), "-o", str(tmp_path / "run"), "--no-tap", "--no-pictures"]
+    run = subprocess.Popen([sys.executable, "-m", "graphnav", *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    wait_until(lambda: hangs.exists() and bool(hangs.read_text()))
+    run.send_signal(signal.SIGINT)
+    printed, _ = run.communicate(timeout=PATIENCE_S)
+    assert run.returncode == 130, printed
+    summary = json.loads((tmp_path / "run" / RunFolder.SUMMARY).read_text())
+    assert summary["scores"]["second"] == {"steps": 2.0}, "its process was ended, and could not be asked"
+
+
 def test_a_stage_on_a_host_is_not_changed(tmp_path: Path, runs: Runs, hosted: Hosted) -> None:
     graph = steps_graph(tmp_path, DEPLOY)
     hosted(graph)
@@ -174,9 +204,7 @@ def test_who_has_another_key_is_refused(tmp_path: Path, runs: Runs, hosted: Host
 
 def test_the_files_are_checked(tmp_path: Path, hosted: Hosted) -> None:
     graph = steps_graph(tmp_path, DEPLOY)
-    with pytest.raises(
-        UserError, match=r"there is no hosts\.yaml, beside the graph or here, which says where jetson is"
-    ):
+    with pytest.raises(UserError, match=r"hosts\.yaml is missing, beside the graph and here: it says where jetson is"):
         hosts_of(graph)
     hosted(graph)
     assert hosts_of(graph)["jetson"].address == "127.0.0.1"

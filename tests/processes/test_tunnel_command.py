@@ -173,7 +173,7 @@ ERRORS = [
     (("a", "--host", "::1"), "--host: an end that calls listens nowhere\n  remove it, or add --serve"),
     (("a", "--port", "0"), "--port: port 0 is not a port to call\n  write that of the other end"),
     (("a", "--url", "x"), "--url: 'x' is not a udpm:// URL\n  write {default}, or another group of 239.0.0.0/8"),
-    (("a", "--key", "{key}", "--url", GROUP), "there is no key in {key}\n  {copy}, with mode 0600, to {key}"),
+    (("a", "--key", "{key}", "--url", GROUP), "the key {key} does not exist\n  {copy}, with mode 0600, to {key}"),
 ]
 COPY = "'graphnav tunnel --serve' or 'run --host' on the other host makes one: copy it"
 

@@ -172,6 +172,16 @@ class Node:
         return MappingProxyType({name: setting.value for name, setting in self.settings.items()})
 
     @property
+    def family(self) -> str:
+        """The family of its class."""
+        return self.use.partition(".")[0]
+
+    @property
+    def has_since(self) -> bool:
+        """Whether an input takes all messages since the last step."""
+        return any(i.port.since for i in self.inputs)
+
+    @property
     def output_ports(self) -> tuple[Port, ...]:
         """The output ports in the order of declaration."""
         return ports_of(self.stage_class).outputs

@@ -151,7 +151,7 @@ def _listener(args: CommandArguments) -> HostListener:
 
 
 def _caller(args: CommandArguments) -> HostCaller:
-    """Return what calls; raise UserError where there is no key."""
+    """Return what calls; raise UserError where the key is missing."""
     from graphnav.processes.host_link import HostCaller, key_file, read_key
     from graphnav.processes.tunnel.tunnel import SERVICE
 

@@ -28,7 +28,7 @@ def stage_oracles(graph: Graph, catalog: Catalog, place: Place) -> dict[str, str
     """
     _check_world(graph, place)
     driving = [node for node in graph.order if node.name in driving_stages(graph)]
-    families = dict.fromkeys(node.use.partition(".")[0] for node in driving)
+    families = dict.fromkeys(node.family for node in driving)
     oracles = {family: _oracles(family, catalog) for family in families}
     for family, found in oracles.items():
         if len(found) > 1:
@@ -38,9 +38,7 @@ def stage_oracles(graph: Graph, catalog: Catalog, place: Place) -> dict[str, str
         what = f"no family of the stages that drive has an oracle: {', '.join(families)}"
         raise UserError.of(what, 'write a stage of one of them with role = "oracle"', place)
     swapped = {
-        node.name: found[0]
-        for node in driving
-        if node.stage_class.role != "oracle" and (found := oracles[node.use.partition(".")[0]])
+        node.name: found[0] for node in driving if node.stage_class.role != "oracle" and (found := oracles[node.family])
     }
     if not swapped:
         names = [f"{node.name} ({node.use})" for node in driving if node.stage_class.role == "oracle"]
