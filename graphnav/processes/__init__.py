@@ -7,6 +7,7 @@ COMMANDS = {
     "set": "set parameters of stages of a running run",
     "swap": "swap stages of a running run",
     "restart": "restart a stage of a running run",
+    "up": "start the hosts of a graph over ssh, run it here, and end all together",
     "tunnel": "join the LCM group of another host with this one's, channel by channel",
     "deploy": "write units with which systemd or Docker Compose keep a live graph running",
 }

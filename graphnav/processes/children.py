@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from typing import IO
 
@@ -53,17 +53,15 @@ class Children:
         """The process of the warden."""
         return self._wardens.pid
 
-    def start(
-        self, name: str, module: str, arguments: Sequence[str], read: Callable[[IO[bytes]], OutputLines]
-    ) -> Running:
+    def start(self, name: str, module: str, read: Callable[[IO[bytes]], OutputLines]) -> Running:
         """Start a process; raises OSError if it cannot be started. No Ctrl-C may come meanwhile.
 
-        ``name``: its own among all that this starts. ``module``: what it runs, with the address to connect to, the
-        number of this process and ``arguments``. ``read`` gets what it prints.
+        ``name``: its own among all that this starts. ``module``: what it runs, with the address to connect to and the
+        number of this process. ``read`` gets what it prints.
         """
         mark = f"{self._run}/{name}"
         marks = " ".join(filter(None, (os.environ.get(VARIABLE), mark)))
-        command = [sys.executable, "-u", "-P", "-m", module, self.listener.getsockname(), str(os.getpid()), *arguments]
+        command = [sys.executable, "-u", "-P", "-m", module, self.listener.getsockname(), str(os.getpid())]
         popen = subprocess.Popen(  # noqa: S603 - it is this program
             command,
             env=os.environ | ONE_THREAD | {VARIABLE: marks},

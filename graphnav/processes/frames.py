@@ -47,7 +47,7 @@ class Kind(IntEnum):
     CHANGE = 9
     """Let that stage make all further steps; if it is not prepared, make it first."""
     JOIN = 10
-    """To another host, the first: which process is wanted there."""
+    """To another host, the first: which process is wanted there. To what stands for it here: also where that is."""
     INTERRUPT = 11
     """To another host: break off the step."""
     ENDED = 12

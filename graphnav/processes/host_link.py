@@ -127,10 +127,24 @@ def read_key(path: Path) -> bytes:
         raise UserError.of(f"cannot read the key in {path}: {error.strerror}", "name another file: --key") from error
     if mode & 0o077:
         raise UserError.of(f"other users may read or change the key in {path}", f"run chmod 600 {path}")
+    key = key_of(text.decode("ascii", "replace").strip())
+    if key is None:
+        hint = f"it has {2 * _KEY_BYTES} hexadecimal digits: copy it again"
+        raise UserError.of(f"{path} does not contain a key", hint)
+    return key
+
+
+def new_key() -> bytes:
+    """Return a new key."""
+    return secrets.token_bytes(_KEY_BYTES)
+
+
+def key_of(digits: str) -> bytes | None:
+    """Return the key of its hexadecimal digits, None if they are not of one."""
     with suppress(ValueError):
-        if len(key := bytes.fromhex(text.decode("ascii").strip())) == _KEY_BYTES:
+        if len(key := bytes.fromhex(digits)) == _KEY_BYTES:
             return key
-    raise UserError.of(f"{path} does not contain a key", f"it has {2 * _KEY_BYTES} hexadecimal digits: copy it again")
+    return None
 
 
 def made_key(path: Path) -> tuple[bytes, bool]:
@@ -148,7 +162,7 @@ def made_key(path: Path) -> tuple[bytes, bool]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         with os.fdopen(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "wb") as file:
-            file.write(secrets.token_hex(_KEY_BYTES).encode() + b"\n")
+            file.write(new_key().hex().encode() + b"\n")
             file.flush()
             os.fsync(file.fileno())
         os.link(aside, path)  # unlike a renaming it replaces no key that another process has made meanwhile

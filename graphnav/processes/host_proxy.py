@@ -1,6 +1,6 @@
 """The process that stands in a run for one on another host: it passes on what both say, and ends as that one ends.
 
-``python -m graphnav.processes.host_proxy ADDRESS PARENT HOST AT PORT KEY RUN PART FINGERPRINT``
+``python -m graphnav.processes.host_proxy ADDRESS PARENT``; the rest it is told by the run.
 """
 
 from __future__ import annotations
@@ -11,14 +11,13 @@ import select
 import signal
 import sys
 import time
-from pathlib import Path
 from typing import NoReturn
 
 from graphnav import GraphnavError
 from graphnav.core.notices import print_notice
 from graphnav.processes.child import connected
-from graphnav.processes.frames import Frame, Kind, Link
-from graphnav.processes.host_link import HostCaller, HostLink, LinkError, events_of, read_key
+from graphnav.processes.frames import Frame, Kind, Link, receive
+from graphnav.processes.host_link import HostCaller, HostLink, LinkError, events_of
 from graphnav.processes.hosts import SERVICE
 
 _LOOK_S = 0.05
@@ -126,13 +125,14 @@ def _end_as(status: int) -> NoReturn:
 
 def main() -> int:
     """Stand for a process until the run closes its side."""
-    address, parent, name, at, port, key, run, part, same = sys.argv[1:]
-    connection = connected(address, int(parent))
+    connection = connected(sys.argv[1], int(sys.argv[2]))
     if connection is None:
         return 1
-    join = Frame(Kind.JOIN, {"run": run, "part": part, "host": name, "graph": same})
     try:
-        proxy = HostProxy(Link(connection), HostCaller(at, int(port), read_key(Path(key)), SERVICE), name, join)
+        told = receive(connection).head
+        caller = HostCaller(told["at"], told["port"], bytes.fromhex(told["key"]), SERVICE)
+        join = told["join"]
+        proxy = HostProxy(Link(connection), caller, join["host"], Frame(Kind.JOIN, join))
         signal.signal(signal.SIGINT, proxy.interrupt)
         proxy.serve()
     except (EOFError, BrokenPipeError, ConnectionResetError):

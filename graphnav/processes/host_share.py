@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import select
 import signal
 import time
@@ -19,6 +20,7 @@ from graphnav.processes import child
 from graphnav.processes.children import Children, Running
 from graphnav.processes.frames import Frame, Kind, Link
 from graphnav.processes.host_link import HostLink, HostListener, LinkError, Refusal, events_of, key_file, made_key
+from graphnav.processes.host_orders import FROM_STDIN, Orders, waiting
 from graphnav.processes.hosts import SERVICE, fingerprint, port_of
 from graphnav.processes.output_lines import OutputLines
 
@@ -204,7 +206,6 @@ class HostShare:
             one.running = self._children.start(
                 f"{part.name}/{self._n_started}",
                 child.__name__,
-                (),
                 lambda stream: OutputLines(part.name, stream, None, self._notice),
             )
         except OSError as error:
@@ -237,16 +238,25 @@ class HostShare:
             self._notice(f"process '{one.part.name}' has ended{f': {why}' if why else ''}")
 
 
-def serve_host(graph: Graph, name: str, hosts: Path | None, key: Path | None, notice: Callable[[str], None]) -> None:
+def serve_host(
+    graph: Graph,
+    name: str,
+    hosts: Path | None,
+    key: Path | None,
+    notice: Callable[[str], None],
+    tell: Callable[[str], None],
+) -> None:
     """Serve runs that want processes of ``graph`` on the host ``name``, which is this machine, until Ctrl-C.
 
     ``hosts``: the file that says on which port, None for ``hosts.yaml`` if there is one. ``key``: the file of the key
-    that both ends have, None for the user's; it is made where there is none.
+    that both ends have, None for the user's; it is made where there is none. `FROM_STDIN`: port and key are `Orders`,
+    with which this ends, too, and ``tell`` gets the line of one that waits.
 
     Raises
     ------
     UserError
-        No process of the graph lives on the host, the file or the key cannot be read, or the port is not free.
+        No process of the graph lives on the host, the file or the key cannot be read, no orders come, or the port is
+        not free.
     GraphnavError
         The socket for the processes cannot be made.
     """
@@ -257,16 +267,23 @@ def serve_host(graph: Graph, name: str, hosts: Path | None, key: Path | None, no
             f"its hosts are {', '.join(others)}" if others else "write deploy: {eyes: {stages: [flow], host: jetson}}"
         )
         raise UserError.of(f"no process of {graph.path.stem} lives on the host '{name}'", hint)
-    port, path = port_of(graph, name, hosts), key_file(key)
-    found, is_new = made_key(path)
+    orders = Orders() if key == FROM_STDIN else None
+    if orders is not None:
+        port, found = orders.port, orders.key
+    else:
+        port, path = port_of(graph, name, hosts), key_file(key)
+        found, is_new = made_key(path)
+        if is_new:
+            notice(f"a new key is in {path}: copy it to the machine of the run, to the same place, with mode 0600")
     try:
         listener = HostListener("", port, found, SERVICE, 2 * len(parts))
     except OSError as error:
         hint = "end what listens there, or write another port into hosts.yaml on both machines"
-        raise UserError.of(f"port {port} cannot be used: {error.strerror}", hint) from error
-    if is_new:
-        notice(f"a new key is in {path}: copy it to the machine of the run, to the same place, with mode 0600")
+        why = os.strerror(error.errno) if error.errno else str(error)
+        raise UserError.of(f"port {port} cannot be used: {why}", hint) from error
     with Interrupt() as interrupt, closing(HostShare(graph, name, listener, notice)) as share:
         notice(f"host {name} waits on port {port} for a run that wants {', '.join(parts)}")
-        share.serve(lambda: interrupt.asked)
+        if orders is not None:
+            tell(waiting(port))
+        share.serve(lambda: interrupt.asked or (orders is not None and orders.are_over()))
         interrupt.settle()

@@ -28,6 +28,16 @@ class HostKeys(Record):
 
     address: str = key(not_empty=True, missing="does not say where it is", doc="name or IP address")
     port: int = key(DEFAULT_PORT, ge=1, le=65_535, doc="the TCP port on which it waits for runs")
+    user: str | None = key(None, not_empty=True, doc="for `up`: as whom ssh connects; null: as ssh does by itself")
+    ssh_port: int | None = key(None, ge=1, le=65_535, doc="for `up`: the port of its ssh server; null: as of ssh, 22")
+    command: str = key(
+        "graphnav",
+        not_empty=True,
+        doc="for `up`: how the shell there calls graphnav, such as `/opt/venv/bin/graphnav`",
+    )
+    folder: str | None = key(
+        None, not_empty=True, doc="for `up`: the folder there in which it works, of the user's home; null: the home"
+    )
 
 
 class HostsKeys(Record):
@@ -47,28 +57,43 @@ says where that is. [Two computers](../howto/two-computers.md) has the rest.
 
 ```yaml
 hosts:
-  jetson: {address: 192.168.1.5}
+  jetson: {address: 192.168.1.5, user: robot, command: /opt/venv/bin/graphnav}
 ```
 """,
 )
 
 
 class Host(NamedTuple):
-    """Where a host is, and the file of the key that both ends have."""
+    """Where a host is, and the key that both ends have."""
 
     name: str
     address: str
     port: int
-    key: Path
+    key: bytes
 
 
 def hosts_of(graph: Graph, given: Path | None = None, key_path: Path | None = None) -> dict[str, Host]:
-    """Return the hosts that a graph names; ``given``: the file, None for ``hosts.yaml`` where it is looked for.
+    """Return the hosts that a graph names; ``given``: as of `declared_hosts`, ``key_path``: None for the user's key.
 
     Raises
     ------
     UserError
         The file is missing or wrong, or does not name a host, or the key is missing.
+    """
+    found = declared_hosts(graph, given)
+    if not found:
+        return {}
+    link_key = read_key(key_file(key_path))
+    return {name: Host(name, host.address, host.port, link_key) for name, host in found.items()}
+
+
+def declared_hosts(graph: Graph, given: Path | None = None) -> dict[str, HostKeys]:
+    """Return what the file says of the hosts that a graph names; ``given``: None for ``hosts.yaml``, beside it or here.
+
+    Raises
+    ------
+    UserError
+        The file is missing or wrong, does not name a host, or gives two of them the same address and port.
     """
     wanted = {part.host: part.name for part in graph.deploy.values() if part.host is not None}
     if not wanted:
@@ -83,9 +108,14 @@ def hosts_of(graph: Graph, given: Path | None = None, key_path: Path | None = No
         if name not in found:
             hint = did_you_mean(name, found) or f"write {name}: {{address: 192.168.1.5}} into it"
             raise UserError.of(f"the process '{part}' lives on the host '{name}', which {file} does not name", hint)
-    path = key_file(key_path)
-    read_key(path)
-    return {name: Host(name, found[name].address, found[name].port, path) for name in wanted}
+    hosts = {name: found[name] for name in wanted}
+    at: dict[tuple[str, int], str] = {}
+    for name, host in hosts.items():
+        other = at.setdefault((host.address, host.port), name)
+        if other != name:
+            what = f"the hosts '{other}' and '{name}' are both at {host.address}, port {host.port}"
+            raise UserError.of(what, "give each an address or a port of its own", host.place("address"))
+    return hosts
 
 
 def port_of(graph: Graph, name: str, given: Path | None) -> int:

@@ -11,6 +11,11 @@ _MAX_LINE = 4096
 _CLOSE_S = 1.0
 
 
+def named_line(name: str, line: bytes) -> str:
+    """Return a line that something of this name has printed, as it is shown."""
+    return f"[{name}] {line.decode('utf-8', 'replace').rstrip()}"
+
+
 class OutputLines:
     """Reads what a process prints until it ends, in a thread, and appends it to a file.
 
@@ -39,6 +44,6 @@ class OutputLines:
                         kept.write(line)
                 except OSError:
                     is_writable = False
-                self._show(f"[{self._name}] {line.decode('utf-8', 'replace').rstrip()}")
+                self._show(named_line(self._name, line))
         if kept is not None:
             kept.close()

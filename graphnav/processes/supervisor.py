@@ -6,6 +6,7 @@ import select
 import signal
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,6 +17,7 @@ from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import CODE, ProcessState, new_run_id, provenance
 from graphnav.processes import child, host_proxy
 from graphnav.processes.children import Children, Running
+from graphnav.processes.frames import Frame, Kind, send
 from graphnav.processes.hosts import Host, fingerprint, hosts_of
 from graphnav.processes.journal import Journal
 from graphnav.processes.output_lines import OutputLines
@@ -279,24 +281,22 @@ class Supervisor:
     def _started(self, name: str) -> None:
         self._epochs[name] += 1
         self.processes[name].restarts = self._epochs[name] - 1
-        module, arguments = self._program(self.processes[name].part)
+        module = child if self.processes[name].part.host is None else host_proxy
         file = self._folder / RunFolder.OUTPUT / f"{name}.txt"
         with ctrl_c_later():
             running = self._running[name] = self._children.start(
                 f"{name}/{self._epochs[name]}",
-                module,
-                arguments,
+                module.__name__,
                 lambda stream: OutputLines(name, stream, file, self._notice),
             )
             self._poll.register(running.pid_fd, select.POLLIN)
 
-    def _program(self, part: Part) -> tuple[str, Sequence[str]]:
-        """Return the module that a process runs, and its arguments."""
-        if part.host is None:
-            return child.__name__, ()
+    def _join(self, part: Part) -> Frame:
+        """Return what the process that stands for one on a host is told: where that is, and what to say to it."""
+        assert part.host is not None, "it stands for one elsewhere"
         host = self._hosts[part.host]
-        where = (host.name, host.address, str(host.port), str(host.key))
-        return host_proxy.__name__, (*where, self._run, part.name, self._fingerprints[part.host])
+        join = {"run": self._run, "part": part.name, "host": host.name, "graph": self._fingerprints[part.host]}
+        return Frame(Kind.JOIN, {"at": host.address, "port": host.port, "key": host.key.hex(), "join": join})
 
     def _accept(self) -> None:
         """Take the connection of one of the processes; close that of any other."""
@@ -308,7 +308,11 @@ class Supervisor:
             return
         name, link = waiting[found[0]], found[1]
         self._poll.register(link, select.POLLIN)
+        part = self.processes[name].part
         try:
+            if part.host is not None:
+                with suppress(OSError):  # it has ended, which its descriptor tells
+                    send(link, self._join(part))
             self.processes[name].connected(link)
         except GraphnavError as error:
             self.end(name, f"cannot be started again: {error}")

@@ -222,4 +222,4 @@ def test_the_files_are_checked(tmp_path: Path, hosted: Hosted) -> None:
 def test_a_host_without_processes_is_refused(tmp_path: Path) -> None:
     graph = steps_graph(tmp_path, DEPLOY)
     with pytest.raises(UserError, match=r"no process of steps lives on the host 'orin'\n.*its hosts are jetson"):
-        serve_host(graph, "orin", None, tmp_path / "key", print)
+        serve_host(graph, "orin", None, tmp_path / "key", print, print)

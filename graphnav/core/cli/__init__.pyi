@@ -6,6 +6,7 @@ from .opened_log import damage_told, opened
 from .options import FailureReport, Options
 from .progress import progress_bar
 from .quantities import MAX_FACTOR, channel_name, counted, port_number, positive
+from .run import run_graph
 from .status import Exit
 from .status_line import StatusLine
 from .type_names import short_type
@@ -28,5 +29,6 @@ __all__ = [
     "port_number",
     "positive",
     "progress_bar",
+    "run_graph",
     "short_type",
 ]

@@ -36,6 +36,7 @@ COMMANDS = {
 
 _ORDER = (
     "run",
+    "up",
     "ps",
     "logs",
     "stop",

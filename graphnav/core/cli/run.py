@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from contextlib import ExitStack, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,7 @@ from graphnav.core.rooms import in_room
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from contextlib import AbstractContextManager
 
     from graphnav.core.catalog import Catalog
     from graphnav.core.graph import Graph
@@ -58,7 +60,8 @@ if TYPE_CHECKING:
         "--key",
         type=Path,
         metavar="FILE",
-        help="the key of this machine and of the hosts (default: that of 'graphnav tunnel')",
+        help="the key of this machine and of the hosts (default: that of 'graphnav tunnel'); with --host also '-': "
+        "port and key come on standard input, from 'graphnav up', and its end ends the host",
     ),
     Shared.LIVE,
     Shared.LIVE_URL,
@@ -81,6 +84,22 @@ if TYPE_CHECKING:
 )
 def main(args: CommandArguments) -> int:
     """Run the command."""
+    catalog, graph = args.load_graph(runs=True)
+    if args.host is not None:
+        serve_host = in_room("processes.host_share").serve_host
+        serve_host(graph, args.host, args.hosts, args.key, print_notice, partial(print, flush=True))
+        return Exit.OK
+    hosts = in_room("processes.hosts").hosts_of(graph, args.hosts, args.key) if graph.deploy else None
+    return run_graph(args, catalog, graph, nullcontext(hosts))
+
+
+def run_graph(
+    args: CommandArguments,
+    catalog: Catalog,
+    graph: Graph,
+    hosts: AbstractContextManager[Mapping[str, Any] | None],
+) -> int:
+    """Run a graph as the options say, within ``hosts``, which gives those that it names; return the exit status."""
     from graphnav.core.api.execute import runs_live
     from graphnav.core.lcm_url import tap_url
     from graphnav.core.machine.console import Console
@@ -91,27 +110,24 @@ def main(args: CommandArguments) -> int:
     from graphnav.core.runner.recording.run_recorded import new_run_id
     from graphnav.core.tap import open_tap
 
-    catalog, graph = args.load_graph(runs=True)
     is_live = runs_live(graph, live=args.live, pace=args.pace, url=args.url, option="--")
     graph = graph.with_processes() if args.processes else graph
-    if args.host is not None:
-        in_room("processes.host_share").serve_host(graph, args.host, args.hosts, args.key, print_notice)
-        return Exit.OK
-    hosts = in_room("processes.hosts").hosts_of(graph, args.hosts, args.key) if graph.deploy else None
     live_notice = _live_notice(args, graph) if is_live else ""
     stages, run_id = graph.make_stages(), new_run_id()
     folder = make_run_folder(args.folder, graph.path.stem)
     if args.detach and _is_left_behind(folder, run_id):
         return Exit.OK
     console = Console(stderr=args.json, highlight=False, soft_wrap=True)
-    with FullLog() as full, removed_if_empty(folder):
+    with FullLog() as full, removed_if_empty(folder), ExitStack() as run_of_hosts:
         for notice in (*args.notices_of(graph), *([live_notice] if is_live else [])):
             console.print(notice, markup=False)
+        found = run_of_hosts.enter_context(hosts)
         tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
         if tap is not None:
             console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
         report, kept = FailureReport(args), None if args.no_pictures else full
-        summary = _run(catalog, graph, stages, folder, args, tap, run_id, kept, report, hosts, is_live=is_live)
+        summary = _run(catalog, graph, stages, folder, args, tap, run_id, kept, report, found, is_live=is_live)
+        run_of_hosts.close()
         if args.json:
             print(json.dumps(summary.as_json() | {"folder": str(folder)}))
         else:

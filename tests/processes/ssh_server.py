@@ -1,0 +1,109 @@
+"""An ssh server on this machine for tests: real ssh, real keys, and a shell for each command, as sshd runs it."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import threading
+from concurrent.futures import Future
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import asyncssh
+
+
+class SshServer:
+    """A server in a thread, with a host key of its own; ``home``: of the user who may connect, and where commands run.
+
+    A command with ``home`` as HOME knows the host and has the key of the user.
+    """
+
+    def __init__(self, home: Path, environment: dict[str, str]) -> None:
+        self.home, self._environment = home, environment
+        self._ssh = home / ".ssh"
+        self._ssh.mkdir(mode=0o700)
+        user = asyncssh.generate_private_key("ssh-ed25519")
+        user.write_private_key(self._ssh / "id_ed25519")
+        user.write_public_key(self._ssh / "authorized_keys")
+        self._host_key = asyncssh.generate_private_key("ssh-ed25519")
+        self._port: Future[int] = Future()
+        self._end = asyncio.Event()
+        self._loop = asyncio.new_event_loop()
+        self._commands: list[asyncio.Task[None]] = []
+        self._thread = threading.Thread(target=self._serve)
+        self._thread.start()
+        self.port = self._port.result()
+        self.knows(self._host_key)
+
+    def knows(self, key: asyncssh.SSHKey | None) -> None:
+        """Let the user know a key as that of the host, or none."""
+        name = f"[127.0.0.1]:{self.port} ".encode()
+        (self._ssh / "known_hosts").write_bytes(b"" if key is None else name + key.export_public_key())
+
+    def forgets_the_user(self) -> None:
+        """Accept the key of the user no more."""
+        other = asyncssh.generate_private_key("ssh-ed25519")
+        other.write_private_key(self._ssh / "id_ed25519")
+
+    def cut(self) -> None:
+        """Cut all connections, and take no new ones."""
+        with suppress(RuntimeError):  # cut before
+            self._loop.call_soon_threadsafe(self._end.set)
+
+    def close(self) -> None:
+        """Cut all, and wait for the end of every command."""
+        self.cut()
+        self._thread.join()
+
+    def _serve(self) -> None:
+        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
+            runner.run(self._listen())
+
+    async def _listen(self) -> None:
+        connections: list[asyncssh.SSHServerConnection] = []
+        listening = await asyncssh.listen(
+            "127.0.0.1",
+            0,
+            server_host_keys=[self._host_key],
+            authorized_client_keys=str(self._ssh / "authorized_keys"),
+            process_factory=self._begin,
+            acceptor=connections.append,
+            encoding=None,
+        )
+        self._port.set_result(listening.get_port())
+        await self._end.wait()
+        listening.close()
+        for connection in connections:
+            connection.abort()
+        await asyncio.gather(*(connection.wait_closed() for connection in connections), *self._commands)
+        await listening.wait_closed()
+
+    def _begin(self, process: asyncssh.SSHServerProcess[bytes]) -> None:
+        self._commands.append(asyncio.create_task(self._run(process)))
+
+    async def _run(self, process: asyncssh.SSHServerProcess[bytes]) -> None:
+        environment = os.environ | self._environment | {"HOME": str(self.home)}
+        pipe = asyncio.subprocess.PIPE
+        shell = await asyncio.create_subprocess_shell(
+            process.command or "", cwd=self.home, env=environment, stdin=pipe, stdout=pipe, stderr=pipe
+        )
+        assert shell.stdin is not None
+        told = asyncio.create_task(_copy(process.stdin, shell.stdin))
+        await asyncio.gather(_copy(shell.stdout, process.stdout), _copy(shell.stderr, process.stderr))
+        status = await shell.wait()
+        told.cancel()
+        process.exit(status)
+
+
+async def _copy(source: Any, target: Any) -> None:
+    """Copy to the end, or to that of the connection; the target of standard input is closed then."""
+    with suppress(OSError, asyncssh.Error):
+        while data := await source.read(1 << 16):
+            target.write(data)
+            await target.drain()
+    if isinstance(target, asyncio.StreamWriter):
+        target.close()
+    else:
+        while await source.read(1 << 16):  # the connection is lost: what is printed is of no use to anyone
+            pass
