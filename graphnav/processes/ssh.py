@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 NOT_FOUND = 127
 """Exit status of a shell that does not find a command."""
-_CONNECT_S = 15.0
+_CONNECT_S = 30.0
 _ALIVE_S, _MAX_SILENCES = 5.0, 6
 """A connection is given up after 30 s of silence, as the other end gives it up: a cable may be out for a while."""
 

@@ -8,10 +8,12 @@ import threading
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
 from graphnav import GraphnavError, UserError
+from graphnav.core.api import Shared
 from graphnav.processes import ssh
 from graphnav.processes.host_link import new_key
 from graphnav.processes.host_orders import ALIVE, FROM_STDIN, PERIOD_S, is_waiting, orders
@@ -26,6 +28,16 @@ _END_S = 10.0
 _LINES_S = 1.0
 """How long the last lines of a command may take."""
 _T = TypeVar("_T")
+
+
+def words_for_hosts(graph: str, overrides: Sequence[str], plugins: Sequence[Path]) -> list[str]:
+    """Return the graph and the options that commands on hosts need as well; the rest they are told by the run."""
+    words = [graph]
+    for one in overrides:
+        words += [Shared.SET.flag, one]
+    for path in plugins:
+        words += [Shared.PLUGINS.flag, str(path)]
+    return words
 
 
 class _RunEndsError(Exception):

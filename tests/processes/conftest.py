@@ -7,11 +7,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -23,6 +23,9 @@ from graphnav.core.runner import Answer, Changes, Request, RunningRun, Summary, 
 from graphnav.processes.run import run_processes
 from graphnav.processes.supervisor import Supervisor
 from tests.live.conftest import live, load, outside  # noqa: F401 - fixtures
+
+if TYPE_CHECKING:
+    from tests.processes.over_ssh import Robot
 
 STAGES = Path(__file__).parent / "stages.py"
 LATE_ANSWERS = Path(__file__).parent / "late_answers.py"
@@ -217,6 +220,18 @@ def runs(tmp_path: Path) -> Runs:
         return Ran(folder, summary, errors, notices, made.answers)
 
     return run
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Iterator[Robot]:
+    """Return a robot with a host; what is left there in the end is a fault."""
+    from tests.processes.over_ssh import Robot  # it needs an extra
+
+    made = Robot(tmp_path)
+    yield made
+    made.server.cut()
+    wait_until(lambda: not made.is_left())
+    made.server.close()
 
 
 def kill(supervisor: Supervisor, name: str) -> None:

@@ -217,6 +217,10 @@ def test_the_files_are_checked(tmp_path: Path, hosted: Hosted) -> None:
     with pytest.raises(UserError, match="does not say where it is"):
         hosts_of(graph)
     assert hosts_of(alone(graph)) == {}
+    two = steps_graph(tmp_path, DEPLOY.replace("[open], host: jetson", "[open], host: orin"))
+    (tmp_path / FILE).write_text("hosts:\n  jetson: {address: 10.0.0.5}\n  orin: {address: 10.0.0.5}\n")
+    with pytest.raises(UserError, match=r"the hosts '(jetson|orin)' and '\w+' are both at 10\.0\.0\.5, port 7669"):
+        hosts_of(two)
 
 
 def test_a_host_without_processes_is_refused(tmp_path: Path) -> None:

@@ -4,33 +4,75 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.core.api import Shared
 from graphnav.core.cli import CommandArguments, Exit, Options
-from graphnav.core.parameters import command
+from graphnav.core.parameters import Parameter, command
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from graphnav.develop.doctor import Finding
 
 
-@command(Shared.GRAPH.but(nargs="?"), Shared.SET, Shared.PLUGINS, Shared.TRUST, Options.JSON)
+@command(
+    Shared.GRAPH.but(nargs="?"),
+    Shared.SET,
+    Shared.PLUGINS,
+    Shared.TRUST,
+    Parameter(
+        "host",
+        "--host",
+        metavar="NAME",
+        help="check this host of the graph's 'deploy' in place of this machine, by ssh",
+    ),
+    Parameter(
+        "hosts",
+        "--hosts",
+        type=Path,
+        metavar="FILE",
+        help="where hosts are (default: hosts.yaml beside the graph, or in this folder)",
+    ),
+    Options.JSON,
+)
 def main(args: CommandArguments) -> int:
     """Run the command; the exit status is 1 where something needed is lacking.
 
     A graph of which plugins are left out cannot run, so that the sizes of its messages are not measured.
     """
-    from graphnav.develop.doctor import run_checks
-
-    graph = None if args.graph is None else args.load_graph(partial=True)[1]
     findings = []
-    for finding in run_checks(None if graph is None or graph.left_out else graph):
+    for finding in _findings(args):
         findings.append(finding)
         if not args.json:
             _print(finding)
     if args.json:
         print(json.dumps([asdict(finding) for finding in findings], indent=2))
     return Exit.FAILED if any(finding.needed and not finding.fine for finding in findings) else Exit.OK
+
+
+def _findings(args: CommandArguments) -> Iterator[Finding]:
+    """Yield what is found on this machine, or on a host of the graph."""
+    from graphnav import Place, UserError
+    from graphnav.core.rooms import in_room
+    from graphnav.develop.doctor import Finding, run_checks
+
+    graph = None if args.graph is None else args.load_graph(partial=True)[1]
+    if args.host is None:
+        yield from run_checks(None if graph is None or graph.left_out else graph)
+        return
+    if graph is None:
+        raise UserError.of("no graph is named", "write graphnav doctor GRAPH --host NAME", Place("--host"))
+    declared = in_room("processes.hosts").declared_hosts(graph, args.hosts)
+    if args.host not in declared:
+        hint = f"its hosts are {', '.join(declared)}" if declared else "name one in its 'deploy'"
+        raise UserError.of(f"no process of {graph.path.stem} lives on the host '{args.host}'", hint, Place("--host"))
+    words = in_room("processes.started_hosts").words_for_hosts(args.graph, args.set, args.plugins)
+    options = [Shared.TRUST.flag] if args.trust else []
+    checks = in_room("processes.host_checks").host_checks
+    for check in checks(graph, args.host, declared[args.host], words, options):
+        yield Finding(**check._asdict())
 
 
 def _print(finding: Finding) -> None:

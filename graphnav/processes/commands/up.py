@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from graphnav.core.api import Shared
 from graphnav.core.cli import CommandArguments, Exit, command_called
 from graphnav.core.parameters import OneOf, command
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _OF_ONE_COMPUTER = {"host", "key"}
 _ABOUT = """\
@@ -31,23 +25,16 @@ def main(args: CommandArguments) -> int:
     from graphnav.core.cli import run_graph
     from graphnav.core.notices import print_notice
     from graphnav.processes.hosts import declared_hosts
-    from graphnav.processes.started_hosts import StartedHosts
+    from graphnav.processes.started_hosts import StartedHosts, words_for_hosts
 
     catalog, graph = args.load_graph(runs=True)
     declared = declared_hosts(graph, args.hosts)
     if not declared:
         what = f"no process of {graph.path.stem} lives on another host"
         raise UserError.of(what, "write deploy: {eyes: {stages: [flow], host: jetson}}, or use 'graphnav run'")
-    hosts = StartedHosts(declared, ["run", args.graph, *_options(args)], print_notice)
+    told = words_for_hosts(args.graph, args.set, args.plugins)
+    if args.portable is not None:
+        told.append("--portable" if args.portable else "--no-portable")
+    hosts = StartedHosts(declared, ["run", *told], print_notice)
     status = run_graph(args, catalog, graph, hosts)
     return Exit.FAILED if hosts.failure else status
-
-
-def _options(args: CommandArguments) -> Iterator[str]:
-    """Yield the options that a host needs as well; the others it is told by the run."""
-    for one in args.set:
-        yield from (Shared.SET.flag, one)
-    for path in args.plugins:
-        yield from (Shared.PLUGINS.flag, str(path))
-    if args.portable is not None:
-        yield "--portable" if args.portable else "--no-portable"

@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
+import socket
+import subprocess
 import threading
+from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import asyncssh
+
+from graphnav.processes.hosts import FILE
+from tests.forked_commands import forked_graphnav
+from tests.processes.conftest import PATIENCE_S, STAGES, STEPS, processes_of
+
+DEPLOY = """deploy:
+  eyes: {stages: [first, second], host: jetson}
+  hand: {stages: [both]}
+"""
+GRAPH = "steps.yaml"
 
 
 class SshServer:
@@ -107,3 +121,57 @@ async def _copy(source: Any, target: Any) -> None:
     else:
         while await source.read(1 << 16):  # the connection is lost: what is printed is of no use to anyone
             pass
+
+
+def free_port() -> int:
+    """Return a port on which nothing listens."""
+    with socket.create_server(("127.0.0.1", 0)) as found:
+        return int(found.getsockname()[1])
+
+
+def write(folder: Path, deploy: str, **given: str) -> None:
+    """Write the graph into a folder."""
+    (folder / GRAPH).write_text(STEPS.format(deploy=deploy, more="", **{"first": "{}", "third": "{}"} | given))
+
+
+class Robot:
+    """A computer that has the graph, and knows the host jetson, which is this machine as well."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.probe = folder, f"{os.getpid()} {folder.name}"
+        (folder / "home").mkdir()
+        self.server = SshServer(folder / "home", {"PROBE": self.probe})
+        self.port = free_port()
+        write(folder, DEPLOY)
+        write(folder / "home", DEPLOY)
+        self.write_hosts()
+
+    def write_hosts(self, **given: object) -> None:
+        """Write where the host is; ``given`` changes its keys."""
+        said = {"address": "127.0.0.1", "port": self.port, "ssh_port": self.server.port} | given
+        said = {"command": str(forked_graphnav())} | said
+        (self.folder / FILE).write_text(json.dumps({"hosts": {"jetson": said}}))
+
+    def start(self, *words: str, program: tuple[str, ...] = ()) -> subprocess.Popen[str]:
+        """Start a command for the graph."""
+        command = [*(program or (str(forked_graphnav()),)), *words, GRAPH, "--plugin", str(STAGES)]
+        environment = os.environ | {"HOME": str(self.server.home)}
+        pipe = subprocess.PIPE
+        return subprocess.Popen(command, cwd=self.folder, env=environment, stdout=pipe, stderr=pipe, text=True)
+
+    def said(self, *words: str) -> tuple[int, str]:
+        """Run a command; return its status and what it printed to standard error."""
+        done = self.start(*words)
+        _, printed = done.communicate(timeout=PATIENCE_S)
+        return done.returncode, printed
+
+    def hang(self) -> Callable[[], bool]:
+        """Let a stage on the host hang in a step; return what says whether it does."""
+        file = self.folder / "hangs"
+        for folder in (self.folder, self.server.home):
+            write(folder, DEPLOY, first=f"{{at: 3, what: hang, file: {file}}}")
+        return lambda: file.exists() and bool(file.read_text())
+
+    def is_left(self) -> bool:
+        """Whether something that was started on the host is alive."""
+        return bool(processes_of(self.probe))
