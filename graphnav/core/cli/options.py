@@ -53,6 +53,14 @@ class Options:
         help="where to publish, udpm://... (default: $LCM_DEFAULT_URL, else this machine's group)",
     )
     """For `CommandArguments.lcm_url`."""
+    HOSTS = Parameter(
+        "hosts",
+        "--hosts",
+        type=Path,
+        metavar="FILE",
+        help="where hosts are (default: hosts.yaml beside the graph, or in this folder)",
+    )
+    """The hosts of a graph's ``deploy``."""
     GROUP = Parameter("url", nargs="?", metavar="URL", help="udpm://... (default: where runs are tapped)")
 
 

@@ -48,13 +48,7 @@ if TYPE_CHECKING:
         metavar="NAME",
         help="be this host of the graph's 'deploy': wait for runs elsewhere that want its processes, until Ctrl-C",
     ),
-    Parameter(
-        "hosts",
-        "--hosts",
-        type=Path,
-        metavar="FILE",
-        help="where hosts are (default: hosts.yaml beside the graph, or in this folder)",
-    ),
+    Options.HOSTS,
     Parameter(
         "key",
         "--key",

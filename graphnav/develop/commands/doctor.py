@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from graphnav.core.api import Shared
@@ -28,13 +27,7 @@ if TYPE_CHECKING:
         metavar="NAME",
         help="check this host of the graph's 'deploy' in place of this machine, by ssh",
     ),
-    Parameter(
-        "hosts",
-        "--hosts",
-        type=Path,
-        metavar="FILE",
-        help="where hosts are (default: hosts.yaml beside the graph, or in this folder)",
-    ),
+    Options.HOSTS,
     Options.JSON,
 )
 def main(args: CommandArguments) -> int:
