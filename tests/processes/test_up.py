@@ -10,6 +10,7 @@ import asyncssh
 import pytest
 
 from graphnav import UserError
+from graphnav.core.cli import main
 from graphnav.core.run_folder import RunFolder
 from graphnav.processes import ssh
 from tests.processes.conftest import PATIENCE_S, wait_until
@@ -131,3 +132,9 @@ def test_the_extra_is_named_where_it_is_missing(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "asyncssh", None)
     with pytest.raises(UserError, match=r"needs asyncssh, of the extra 'ssh'\n  pip install '?asyncssh>="):
         ssh.import_asyncssh()
+
+
+def test_a_graph_without_hosts_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["up", "corridor_ccw"]) == 2
+    said = "no process of corridor_ccw lives on another host\n  write deploy: {eyes: {stages: [flow], host: jetson}}"
+    assert capsys.readouterr().err == f"{said}, or use 'graphnav run'\n"
