@@ -13,7 +13,7 @@ from contextlib import suppress
 from typing import IO
 
 from graphnav import GraphnavError
-from graphnav.core.machine import ONE_THREAD, peer_of
+from graphnav.core.machine import ONE_THREAD, environment_alike, peer_of
 from graphnav.processes.descriptors import is_readable
 from graphnav.processes.output_lines import OutputLines
 from graphnav.processes.warden import VARIABLE, end_marked, remove_folder
@@ -64,7 +64,7 @@ class Children:
         command = [sys.executable, "-u", "-P", "-m", module, self.listener.getsockname(), str(os.getpid())]
         popen = subprocess.Popen(  # noqa: S603 - it is this program
             command,
-            env=os.environ | ONE_THREAD | {VARIABLE: marks},
+            env=os.environ | ONE_THREAD | environment_alike() | {VARIABLE: marks},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -35,7 +35,6 @@ class Running:
         graph.write_text(GRAPH.format(deploy=deploy, first="{}", third=third, more=""))
         given = ["run", str(graph), "--plugin", str(STAGES), "-o", str(self.folder), "--no-tap", "--no-pictures", "-d"]
         subprocess.run([sys.executable, "-m", "graphnav", *given, *words], capture_output=True, check=True)
-        wait_until(lambda: any(run.folder == self.folder for run in RunningRun.all()))
         self.run = next(run for run in RunningRun.all() if run.folder == self.folder)
 
     @property

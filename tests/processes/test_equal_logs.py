@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +18,11 @@ from graphnav.core.run_folder import RunFolder
 from tests.processes.conftest import LATE_ANSWERS, STAGES, STEPS, Runs, steps_graph
 
 PARTS = "deploy: {left: {stages: [clock, second, open]}, right: {stages: [fast, third]}}"
+NUMPY_FIRST = """
+import numpy
+import graphnav
+print(graphnav.run("steps.yaml", processes=True, plugins=[{stages!r}], pictures=False).summary.outcome)
+"""
 OTHER_PARTS = "deploy: {one: {stages: [slow, first, even]}, other: {stages: [both]}}"
 
 
@@ -44,6 +51,15 @@ def test_from_python_every_stage_gets_a_process(tmp_path: Path) -> None:
     in_one, in_many = (graphnav.run(path, processes=processes, **options) for processes in (False, True))
     assert (in_many.folder / RunFolder.LOG).read_bytes() == (in_one.folder / RunFolder.LOG).read_bytes()
     assert len(in_many.summary.processes or ()) == 9
+
+
+def test_a_program_that_has_loaded_numpy_before_runs_over_processes_too(tmp_path: Path) -> None:
+    """Numpy has chosen its code by the CPU then, and so do the processes."""
+    (tmp_path / "steps.yaml").write_text(STEPS.format(deploy="", first="{}", third="{}", more=""))
+    (tmp_path / "program.py").write_text(NUMPY_FIRST.format(stages=str(STAGES)))
+    program = [sys.executable, "program.py"]
+    done = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.returncode) == ("goal\n", 0), done.stderr
 
 
 def test_stages_that_do_not_wait_for_each_other_step_side_by_side(runs: Runs, tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -28,7 +29,6 @@ def left_behind(tmp_path: Path) -> Iterator[Path]:
     graph.write_text(GRAPH.replace("n: 25", "n: 1000000"))
     words = ["run", str(graph), "--plugin", str(STAGES), "-o", str(folder), "--no-tap", "--no-pictures", "-d"]
     done = subprocess.run([sys.executable, "-m", "graphnav", *words], capture_output=True, text=True, check=True)
-    wait_until(lambda: any(run.folder == folder for run in RunningRun.all()))
     run = next(run for run in RunningRun.all() if run.folder == folder)
     assert f"run {run.run_id} in {folder}" in done.stdout
     wait_until(lambda: "step 3" in (folder / "printed.txt").read_text())
@@ -67,6 +67,29 @@ def test_a_run_is_noted_while_it_lasts(tmp_path: Path) -> None:
         assert (run.pid, run.folder, run.graph, run.is_live) == (os.getpid(), tmp_path, "steps", False)
         assert run.is_running
     assert not run.is_running
+
+
+def test_whoever_lists_runs_all_the_time_forgets_none_that_begins(tmp_path: Path) -> None:
+    """A file that is not locked yet is not there yet."""
+    ended = threading.Event()
+
+    def listing() -> None:
+        while not ended.is_set():
+            RunningRun.all()
+
+    readers = [threading.Thread(target=listing) for _ in range(2)]
+    for reader in readers:
+        reader.start()
+    try:
+        listed = []
+        for k in range(200):
+            with RunningFile(f"{k:08x}", "steps", tmp_path, is_live=False):
+                listed.append(any(run.run_id == f"{k:08x}" for run in RunningRun.all()))
+    finally:
+        ended.set()
+        for reader in readers:
+            reader.join()
+    assert all(listed)
 
 
 def test_what_is_not_running_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -140,12 +140,14 @@ def run_graph(
 def _is_left_behind(folder: Path, run_id: str) -> bool:
     """Go on in another process, whose output goes into a file of the folder; return whether this is the one before.
 
-    No thread and no connection exists yet.
+    The one before waits until the run can be listed. No thread and no connection exists yet.
     """
     from graphnav.core.run_folder import RunFolder
+    from graphnav.core.runner import RunningRun
 
     printed = os.open(folder / RunFolder.PRINTED, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
-    if os.fork():
+    if pid := os.fork():
+        RunningRun.await_begin(run_id, pid)
         print(f"run {run_id} in {shown_name(str(folder))}\n  graphnav logs -f {run_id}\n  graphnav stop {run_id}")
         return True
     os.setsid()

@@ -4,7 +4,7 @@ from .console import Console
 from .escaped_streams import escaped_output
 from .extras import import_pandas, install_command, requirements_of
 from .files import is_own, open_regular, path_aside, read_json, write_atomically
-from .instruction_set import PORTABLE, expected_instruction_set, used_instruction_set
+from .instruction_set import PORTABLE, environment_alike, expected_instruction_set, used_instruction_set
 from .packet_filter import keep_channels
 from .peer import peer_of
 from .pins import OPT_OUT, lacking, pin
@@ -21,6 +21,7 @@ __all__ = [
     "ReceiveBuffer",
     "TerminalGraphics",
     "end_despite_threads",
+    "environment_alike",
     "escaped_output",
     "expected_instruction_set",
     "import_pandas",

@@ -34,6 +34,14 @@ def expected_instruction_set() -> str:
     return used_instruction_set() if os.environ.get(OPT_OUT) == "0" or lacking() else PORTABLE
 
 
+def environment_alike() -> dict[str, str]:
+    """Return the variables with which a process that this one starts computes as this one does.
+
+    A program that has loaded numpy before graphnav is not pinned, and its processes are not to be, either.
+    """
+    return {} if used_instruction_set() == expected_instruction_set() else {OPT_OUT: "0"}
+
+
 def require_portable() -> None:
     """Raise UserError if this process does not compute with `PORTABLE`."""
     if used_instruction_set() == PORTABLE:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import select
 import time
+from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING
 
 from graphnav.core.cli import CommandArguments, Exit
@@ -13,6 +15,8 @@ from graphnav.processes.commands.stop import RUN
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from graphnav.core.runner import RunningRun
 
 _PERIOD_S = 0.2
 _CHUNK_BYTES = 65_536
@@ -28,13 +32,32 @@ def main(args: CommandArguments) -> int:
 
     folder, run = folder_named(args.run)
     read: dict[Path, int] = {}
-    while True:
-        is_last = not args.follow or run is None or not run.is_running
-        for path, before in output_files(folder).items():
-            read[path] = _print_lines(path, read.get(path, 0), before, is_last=is_last)
-        if is_last:
-            return Exit.OK
-        time.sleep(_PERIOD_S)
+    with ExitStack() as stack:
+        process = None if run is None else _detached_process(run, stack)
+        while True:
+            is_last = not args.follow or run is None or _has_ended(run, process)
+            for path, before in output_files(folder).items():
+                read[path] = _print_lines(path, read.get(path, 0), before, is_last=is_last)
+            if is_last:
+                return Exit.OK
+            time.sleep(_PERIOD_S)
+
+
+def _detached_process(run: RunningRun, stack: ExitStack) -> int | None:
+    """Return a descriptor of the process that makes a detached run, None if the run is another one, or ends now."""
+    from graphnav.core.run_folder import RunFolder
+
+    if (run.folder / RunFolder.PRINTED).exists() and run.is_running:
+        with suppress(OSError):
+            process = os.pidfd_open(run.pid)
+            stack.callback(os.close, process)
+            return process
+    return None
+
+
+def _has_ended(run: RunningRun, process: int | None) -> bool:
+    """Return whether a run prints no more: a detached one prints its summary when it is not listed any longer."""
+    return not run.is_running and (process is None or bool(select.select([process], [], [], 0)[0]))
 
 
 def _print_lines(path: Path, at: int, before: str, *, is_last: bool) -> int:

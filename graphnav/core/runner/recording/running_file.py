@@ -15,7 +15,9 @@ from graphnav.core.machine.files import read_json
 from graphnav.core.machine.user_folders import user_folder
 
 _FOLDER = "running"
-_SOCKET = ".socket"
+_SOCKET, _BEGUN = ".socket", ".begun"
+_POLL_S, _PATIENCE_S = 0.02, 30.0
+"""How often, and for how long, a begin is looked for: where the state folder is full it is never noted."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,15 @@ class RunningRun:
         """Whether it still runs."""
         path = _path(self.run_id)
         return path is not None and _is_locked(path)
+
+    @staticmethod
+    def await_begin(run_id: str, pid: int) -> None:
+        """Wait until a run is noted that a child of this process makes, until the child has ended, or some seconds."""
+        end_s = time.monotonic() + _PATIENCE_S
+        while (path := _path(run_id)) and not _is_locked(path) and time.monotonic() < end_s:
+            if os.waitpid(pid, os.WNOHANG) != (0, 0):
+                return
+            time.sleep(_POLL_S)
 
     @staticmethod
     def socket_path(run_id: str) -> Path | None:
@@ -85,10 +96,13 @@ class RunningFile:
         if path is None:
             return
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
+        # It appears under its name when it is complete and locked: readers delete what is not.
+        begun = path.with_suffix(_BEGUN)
+        fd = os.open(begun, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
         try:
             fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             os.write(fd, json.dumps({**asdict(self._run), "folder": str(self._run.folder)}).encode())
+            begun.rename(path)
         except OSError:
             os.close(fd)
             raise
