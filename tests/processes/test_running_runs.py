@@ -69,7 +69,7 @@ def test_a_run_is_noted_while_it_lasts(tmp_path: Path) -> None:
     assert not run.is_running
 
 
-def test_whoever_lists_runs_all_the_time_forgets_none_that_begins(tmp_path: Path) -> None:
+def test_a_run_that_begins_is_listed_while_others_list_all_the_time(tmp_path: Path) -> None:
     """A file that is not locked yet is not there yet."""
     ended = threading.Event()
 

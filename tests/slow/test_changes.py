@@ -34,7 +34,7 @@ extends: corridor_ccw
 run: {record: replayable, until_s: 600}
 stages:
   guard: {in: {deviation: null}}
-  control: {with: {max_speed_mps: 0.02}}
+  control: {with: {max_speed_mps: 0.005}}
 queues: {flow.image: {keep: all}}
 """
 """The robot crawls, so that it touches nothing; live, every image is used, however busy the machine is."""
@@ -44,7 +44,7 @@ USES = {
     "steer": ("steer.balance", "steer.pca"),
 }
 SETTINGS = (
-    "control.max_speed_mps=0.0{}",
+    "control.max_speed_mps=0.00{}",
     "control.max_turn_radps=1.{}",
     "steer.goal_weight=0.{}",
     "guard.max_obstacle_ratio=0.9{}",
