@@ -1,7 +1,7 @@
 """The lines between ``graphnav up`` and the command that it starts on a host, on that command's standard streams.
 
 To the command: a line with the port on which to wait and the key, and then a line a second. Where none comes for 30 s,
-or there is no more, the command ends: so it ends with the one who has started it, however that ended, and the key is
+or its input ends, the command ends: so it ends with the one who has started it, however that ended, and the key is
 in no file and no list of arguments. From the command: a line when it waits for runs.
 """
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from graphnav import UserError
-from graphnav.core.machine import install_command
+from graphnav.core.machine import import_extra
 from graphnav.processes.hosts import HostKeys
 
 if TYPE_CHECKING:
@@ -82,13 +82,7 @@ def import_asyncssh() -> Any:
     UserError
         It is not installed.
     """
-    try:
-        import asyncssh  # noqa: PLC0415 - an extra
-    except ImportError as error:
-        raise UserError.of(
-            "to start something on another host graphnav needs asyncssh, of the extra 'ssh'", install_command("ssh")
-        ) from error
-    return asyncssh
+    return import_extra("asyncssh", "ssh", "to reach another host graphnav")
 
 
 def shell_line(host: HostKeys, words: Sequence[str]) -> str:

@@ -103,6 +103,9 @@ class StartedHosts:
             await self._share(name, self._declared[name])
         except _RunEndsError:
             pass
+        except (ssh.import_asyncssh().Error, OSError) as error:
+            hint = "try there by hand what 'graphnav up --help' says it runs"
+            self._fail(UserError.of(f"host {name}: ssh fails: {error}", hint, self._declared[name].place()))
         except BaseException as error:
             self._fail(error)
             if not isinstance(error, GraphnavError):

@@ -30,11 +30,12 @@ GRAPH = "steps.yaml"
 class SshServer:
     """A server in a thread, with a host key of its own; ``home``: of the user who may connect, and where commands run.
 
-    A command with ``home`` as HOME knows the host and has the key of the user.
+    A command with ``home`` as HOME knows the host and has the key of the user. ``runs_commands``: as for users who may
+    but forward ports, if it does not.
     """
 
-    def __init__(self, home: Path, environment: dict[str, str]) -> None:
-        self.home, self._environment = home, environment
+    def __init__(self, home: Path, environment: dict[str, str], *, runs_commands: bool = True) -> None:
+        self.home, self._environment, self._runs_commands = home, environment, runs_commands
         self._ssh = home / ".ssh"
         self._ssh.mkdir(mode=0o700)
         user = asyncssh.generate_private_key("ssh-ed25519")
@@ -56,7 +57,7 @@ class SshServer:
         (self._ssh / "known_hosts").write_bytes(b"" if key is None else name + key.export_public_key())
 
     def forgets_the_user(self) -> None:
-        """Accept the key of the user no more."""
+        """Let the user have another key than the one that is let in."""
         other = asyncssh.generate_private_key("ssh-ed25519")
         other.write_private_key(self._ssh / "id_ed25519")
 
@@ -81,7 +82,7 @@ class SshServer:
             0,
             server_host_keys=[self._host_key],
             authorized_client_keys=str(self._ssh / "authorized_keys"),
-            process_factory=self._begin,
+            process_factory=self._begin if self._runs_commands else None,
             acceptor=connections.append,
             encoding=None,
         )
@@ -137,10 +138,10 @@ def write(folder: Path, deploy: str, **given: str) -> None:
 class Robot:
     """A computer that has the graph, and knows the host jetson, which is this machine as well."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, runs_commands: bool = True) -> None:
         self.folder, self.probe = folder, f"{os.getpid()} {folder.name}"
         (folder / "home").mkdir()
-        self.server = SshServer(folder / "home", {"PROBE": self.probe})
+        self.server = SshServer(folder / "home", {"PROBE": self.probe}, runs_commands=runs_commands)
         self.port = free_port()
         write(folder, DEPLOY)
         write(folder / "home", DEPLOY)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import signal
 import socket
 import sys
+from contextlib import closing
+from pathlib import Path
 
 import asyncssh
 import pytest
@@ -120,6 +122,15 @@ def test_a_user_who_is_not_let_in_is_told(robot: Robot) -> None:
     assert f"give it your public key by 'ssh-copy-id -p {robot.server.port} 127.0.0.1'" in printed
 
 
+def test_an_ssh_server_that_runs_no_commands_is_told(tmp_path: Path) -> None:
+    robot = Robot(tmp_path, runs_commands=False)
+    with closing(robot.server):
+        status, printed = robot.said(*UP, "-o", "run")
+    assert status == 2, printed
+    assert "host jetson: ssh fails: " in printed
+    assert "Traceback" not in printed
+
+
 def test_a_host_that_serves_already_is_told(robot: Robot) -> None:
     with socket.create_server(("", robot.port)):
         status, printed = robot.said(*UP, "-o", "run")
@@ -130,7 +141,7 @@ def test_a_host_that_serves_already_is_told(robot: Robot) -> None:
 
 def test_the_extra_is_named_where_it_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "asyncssh", None)
-    with pytest.raises(UserError, match=r"needs asyncssh, of the extra 'ssh'\n  pip install '?asyncssh>="):
+    with pytest.raises(UserError, match=r"^to reach another host graphnav needs asyncssh\n  pip install '?asyncssh>="):
         ssh.import_asyncssh()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from contextlib import ExitStack, nullcontext
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -112,16 +112,15 @@ def run_graph(
     if args.detach and _is_left_behind(folder, run_id):
         return Exit.OK
     console = Console(stderr=args.json, highlight=False, soft_wrap=True)
-    with FullLog() as full, removed_if_empty(folder), ExitStack() as run_of_hosts:
+    with FullLog() as full, removed_if_empty(folder):
         for notice in (*args.notices_of(graph), *([live_notice] if is_live else [])):
             console.print(notice, markup=False)
-        found = run_of_hosts.enter_context(hosts)
-        tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
-        if tap is not None:
-            console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
         report, kept = FailureReport(args), None if args.no_pictures else full
-        summary = _run(catalog, graph, stages, folder, args, tap, run_id, kept, report, found, is_live=is_live)
-        run_of_hosts.close()
+        with hosts as found:
+            tap = open_tap(args.tap, run_id, tell=partial(console.print, markup=False), notice=print_notice)
+            if tap is not None:
+                console.print(f"run {run_id} on {tap_url()}: watch it with 'graphnav spy'", markup=False)
+            summary = _run(catalog, graph, stages, folder, args, tap, run_id, kept, report, found, is_live=is_live)
         if args.json:
             print(json.dumps(summary.as_json() | {"folder": str(folder)}))
         else:

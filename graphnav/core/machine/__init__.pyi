@@ -2,7 +2,7 @@
 
 from .console import Console
 from .escaped_streams import escaped_output
-from .extras import import_pandas, install_command, requirements_of
+from .extras import import_extra, import_pandas, install_command, requirements_of
 from .files import is_own, open_regular, path_aside, read_json, write_atomically
 from .instruction_set import PORTABLE, environment_alike, expected_instruction_set, used_instruction_set
 from .packet_filter import keep_channels
@@ -24,6 +24,7 @@ __all__ = [
     "environment_alike",
     "escaped_output",
     "expected_instruction_set",
+    "import_extra",
     "import_pandas",
     "install_command",
     "is_own",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import shlex
 from importlib.metadata import requires
 from typing import Any
@@ -22,16 +23,23 @@ def install_command(extra: str) -> str:
     return f"pip install {shlex.join(f'{one.name}{one.specifier}' for one in requirements_of(extra))}"
 
 
-def import_pandas(who: str) -> Any:
-    """Return pandas, for ``who``.
+def import_extra(module: str, extra: str, who: str, package: str = "") -> Any:
+    """Return a module of an extra of graphnav, for ``who``; ``package``: as it is called, if not as it is imported.
 
     Raises
     ------
     UserError
         It is not installed.
     """
+    imported = module.partition(".")[0]
     try:
-        import pandas  # noqa: ICN001 - an extra
-    except ImportError as error:
-        raise UserError.of(f"{who} needs pandas", install_command("pandas")) from error
-    return pandas
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != imported:
+            raise
+        raise UserError.of(f"{who} needs {package or imported}", install_command(extra)) from error
+
+
+def import_pandas(who: str) -> Any:
+    """Return pandas, for ``who``; raises as `import_extra`."""
+    return import_extra("pandas", "pandas", who)

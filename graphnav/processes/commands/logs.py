@@ -56,7 +56,7 @@ def _detached_process(run: RunningRun, stack: ExitStack) -> int | None:
 
 
 def _has_ended(run: RunningRun, process: int | None) -> bool:
-    """Return whether a run prints no more: a detached one prints its summary when it is not listed any longer."""
+    """Return whether a run has printed all: a detached one prints its summary after it was listed last."""
     return not run.is_running and (process is None or bool(select.select([process], [], [], 0)[0]))
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from graphnav import UserError
-from graphnav.core.machine import install_command
+from graphnav.core.machine import import_extra
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.report import RESULTS, TABLE
 from graphnav.studies.ablation.results import Row
@@ -39,23 +39,20 @@ def export_to_mlflow(plan: Plan, files: StudyFiles, folder: Path) -> str:
     UserError
         MLflow is not installed, no server is named, or it refuses.
     """
-    try:
-        from mlflow.exceptions import MlflowException
-        from mlflow.tracking import MlflowClient
-    except ImportError as error:
-        raise UserError.of("--export mlflow needs MLflow", install_command("mlflow")) from error
+    failure = import_extra("mlflow.exceptions", "mlflow", "--export mlflow", "MLflow").MlflowException
+    tracking = import_extra("mlflow.tracking", "mlflow", "--export mlflow", "MLflow")
     uri = os.environ.get(SERVER_VARIABLE, "")
     if not uri:
         hint = f"start one by 'mlflow server', and set {SERVER_VARIABLE}=http://127.0.0.1:5000"
         raise UserError.of("--export mlflow: no MLflow server is named", hint)
     try:
-        client = MlflowClient(uri)
+        client = tracking.MlflowClient(uri)
         found = client.get_experiment_by_name(plan.name)
         experiment = found.experiment_id if found else client.create_experiment(plan.name)
         for row in files.comparison.rows:
             if not row.case.same_as:
                 _write_case(client, experiment, plan, row, folder)
-    except (MlflowException, OSError) as error:
+    except (failure, OSError) as error:
         if getattr(error, "error_code", _UNKNOWN) != _UNKNOWN:
             hint = "change that there, and export again"
             raise UserError.of(f"MLflow at {uri} refuses this study: {error}", hint) from error

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
-from graphnav import UserError
-from graphnav.core.machine import install_command
+from graphnav.core.machine import import_extra
 
 _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-sdk"), "pyarrow": ("parquet", "pyarrow")}
 """By imported package: the extra of graphnav that installs it, and its distribution name."""
@@ -14,12 +12,5 @@ _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-s
 
 def require(module: str, user: str = "this export") -> Any:
     """Return a module of an optional package needed by ``user``; raise UserError if it is not installed."""
-    package = module.partition(".")[0]
-    try:
-        return importlib.import_module(module)
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] != package:
-            raise
-        extra, name = _EXTRAS[package]
-        hint = f"install it: {install_command(extra)}"
-        raise UserError.of(f"{user} needs {name}, which is not installed", hint) from error
+    extra, name = _EXTRAS[module.partition(".")[0]]
+    return import_extra(module, extra, user, name)

@@ -68,9 +68,9 @@ def test_an_empty_log_has_nothing_to_export(tmp_path: Path, capsys: pytest.Captu
 @pytest.mark.parametrize(
     ("kind", "package", "said"),
     [
-        ("mcap", "foxglove", "foxglove-sdk, which is not installed\n  install it: pip install 'foxglove-sdk>=0.25'\n"),
-        ("rrd", "rerun", "rerun-sdk, which is not installed\n  install it: pip install 'rerun-sdk>=0.30'\n"),
-        ("parquet", "pyarrow", "pyarrow, which is not installed\n  install it: pip install 'pyarrow>=17'\n"),
+        ("mcap", "foxglove", "foxglove-sdk\n  pip install 'foxglove-sdk>=0.25'\n"),
+        ("rrd", "rerun", "rerun-sdk\n  pip install 'rerun-sdk>=0.30'\n"),
+        ("parquet", "pyarrow", "pyarrow\n  pip install 'pyarrow>=17'\n"),
     ],
 )
 def test_a_missing_package_names_its_extra(drive: Path, tmp_path: Path, kind: str, package: str, said: str) -> None:

@@ -42,7 +42,7 @@ class RunningRun:
 
     @staticmethod
     def await_begin(run_id: str, pid: int) -> None:
-        """Wait until a run is noted that a child of this process makes, until the child has ended, or some seconds."""
+        """Wait until a run is noted that a child of this process makes, until the child has ended, or for 30 s."""
         end_s = time.monotonic() + _PATIENCE_S
         while (path := _path(run_id)) and not _is_locked(path) and time.monotonic() < end_s:
             if os.waitpid(pid, os.WNOHANG) != (0, 0):
@@ -104,6 +104,7 @@ class RunningFile:
             os.write(fd, json.dumps({**asdict(self._run), "folder": str(self._run.folder)}).encode())
             begun.rename(path)
         except OSError:
+            begun.unlink(missing_ok=True)
             os.close(fd)
             raise
         self._fd = fd

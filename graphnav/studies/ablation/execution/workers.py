@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 
 from graphnav import GraphnavError, UserError
 from graphnav.core.interrupts import ctrl_c_later
-from graphnav.core.machine import install_command
+from graphnav.core.machine import import_extra
 from graphnav.studies.ablation.execution.local_processes import LocalWorkers
 from graphnav.studies.ablation.worker import Result, Task
 
@@ -70,10 +70,7 @@ def cluster_workers(address: str) -> Iterator[Workers]:
     UserError
         Dask is not installed, or no scheduler answers there.
     """
-    try:
-        from distributed import Client
-    except ImportError as error:
-        raise UserError.of("--cluster needs Dask", install_command("cluster")) from error
+    distributed = import_extra("distributed", "cluster", "--cluster", "Dask")
     for name in logging.root.manager.loggerDict:
         if name.startswith("distributed"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are reported once, by graphnav
@@ -81,7 +78,7 @@ def cluster_workers(address: str) -> Iterator[Workers]:
         try:
             _knock(address)
             with ctrl_c_later():  # a client that is made half cannot be closed
-                client = closing.enter_context(Client(address, timeout=_PATIENCE_S, set_as_default=False))
+                client = closing.enter_context(distributed.Client(address, timeout=_PATIENCE_S, set_as_default=False))
         except (OSError, ValueError) as error:
             hint = "give the address that 'dask scheduler' prints, as tcp://host:8786"
             raise UserError.of(f"--cluster {address}: no scheduler answers there", hint) from error
