@@ -29,12 +29,12 @@ LARGE = 922_000
 
 
 @pytest.fixture
-def opened(group: str) -> Iterator[Callable[..., Bus]]:
-    """Return what opens buses of the group of the tests."""
+def opened(far_group: str) -> Iterator[Callable[..., Bus]]:
+    """Return what opens buses of a group in which no motor process of an earlier test still sends."""
     buses = []
 
     def open_bus(*, forwards: bool) -> Bus:
-        buses.append(Bus(group, forwards=forwards))
+        buses.append(Bus(far_group, forwards=forwards))
         return buses[-1]
 
     yield open_bus
@@ -79,9 +79,9 @@ def test_what_is_forwarded_is_heard_by_others_and_not_forwarded_again(opened: Ca
     assert tunnel.dropped_packets() == other.dropped_packets() == 0  # what it does not hear is not lost
 
 
-def test_a_tunnel_of_another_process_does_not_forward_it_either(group: str, opened: Callable[..., Bus]) -> None:
+def test_a_tunnel_of_another_process_does_not_forward_it_either(far_group: str, opened: Callable[..., Bus]) -> None:
     plain, tunnel = opened(forwards=False), opened(forwards=True)
-    words = [sys.executable, "-c", _HEAR, group]
+    words = [sys.executable, "-c", _HEAR, far_group]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         process.stdout.readline()
