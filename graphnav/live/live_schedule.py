@@ -39,14 +39,19 @@ _MAX_WAIT_S = 0.05
 
 
 class StampedNow:
-    """Writes messages to several sinks, stamped now: senders' clocks may differ."""
+    """Writes messages to several sinks, stamped now: senders' clocks may differ.
+
+    ``sent_us``: when the next message was sent, if it was; that is its time then, so that no receiver logs it earlier.
+    """
 
     def __init__(self, sinks: Sequence[Sink], clock: LiveClock) -> None:
+        self.sent_us: int | None = None
         self._sinks, self._clock = sinks, clock
 
     def write(self, channel: str, _utime: int, data: bytes) -> None:
         """Write one message."""
-        now = self._clock.now()
+        now = self._clock.now() if self.sent_us is None else self.sent_us
+        self.sent_us = None
         for sink in self._sinks:
             sink.write(channel, now, data)
 
@@ -360,12 +365,14 @@ class LiveSchedule:
     def _send(self, channel: Channel, utime: int, _number: int, message: Message | Encoded, data: bytes) -> None:
         """Send an output to other programs, and keep the state of a guard."""
         outlet = self.outlets.get(channel.ref)
-        is_state = issubclass(channel.message, GuardState)
+        is_state, is_of_another = issubclass(channel.message, GuardState), isinstance(message, Encoded)
         if isinstance(message, Encoded) and (is_state or (outlet is not None and outlet.target.adapter is not None)):
             message = decoded(channel, data)[2]
         if isinstance(message, GuardState):
             self.guard_states[channel.stage] = message
         if outlet is not None:
+            if not is_of_another:  # one of another process is logged in its turn
+                self.sink.sent_us = self.clock.now()
             outlet.publish(message, data, utime, self._birth_s, self._origin_s)
 
     def _note_firing(self, unit: Unit[LiveInbox], utime: int, taken: Taken) -> None:
