@@ -3,6 +3,7 @@
 COMMANDS = {
     "figure": "redraw the pictures of a recorded run: panels, single frames, a contact sheet",
     "export": "write a log as video, pictures, tables, or a file for Foxglove or Rerun",
+    "merge": "merge the logs of several computers on one time line, with their clocks measured",
     "record": "record LCM channels into a self-describing log",
     "play": "publish the messages of a log again: faster, slower, paused, step by step",
     "info": "describe a log: channels, types, rates, losses, damage, the graph that produced it",
