@@ -131,6 +131,18 @@ def port_of(graph: Graph, name: str, given: Path | None) -> int:
     return found[name].port if name in found else DEFAULT_PORT
 
 
+def named_here() -> Mapping[str, HostKeys]:
+    """Return the hosts of the ``hosts.yaml`` in the working folder, none without one.
+
+    Raises
+    ------
+    UserError
+        The file is wrong.
+    """
+    path = Path(FILE)
+    return _read(path) if path.exists() else {}
+
+
 def fingerprint(graph: Graph, host: str) -> str:
     """Return what two machines must have alike of a host's processes: all values, with paths as they are written."""
     parts = {name: part for name, part in graph.deploy.items() if part.host == host}

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from graphnav import Place, UserError
 from graphnav.core.cli import CommandArguments, Exit, Options, StatusLine, counted, port_number
 from graphnav.core.parameters import Parameter, command, flag, many
+from graphnav.processes.tunnel import PORT
 from graphnav.processes.tunnel.choice import Choice, Chosen, chosen
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from graphnav.processes.tunnel.report import Report
     from graphnav.processes.tunnel.tunnel import Tunnel
 
-PORT = 7668
 _TURN_S = 0.05
 _STATUS_S = 1.0
 _LOSSES_S = 5.0
@@ -202,13 +202,12 @@ def _say(line: str) -> None:
 def _final(error: LinkError, args: CommandArguments) -> UserError:
     """Return what to do about a refusal that time does not change."""
     from graphnav.processes.host_link import Refusal, key_file
+    from graphnav.processes.tunnel.tunnel import refusal
 
     hint = {
-        Refusal.KEY: f"copy the key of {args.host} to {key_file(args.key)}, with mode 0600",
-        Refusal.VERSION: "use the same version of graphnav on both hosts",
         Refusal.SERVICE: "name the port of 'graphnav tunnel --serve' of another host, or another group with --url",
     }.get(error.reason, f"name the port of 'graphnav tunnel --serve' with --port; this one is {args.port}")
-    return UserError.of(str(error), hint)
+    return refusal(error, args.host, key_file(args.key), hint)
 
 
 def _print_end(report: Report) -> None:

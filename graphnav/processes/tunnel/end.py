@@ -41,7 +41,7 @@ class Kind(IntEnum):
     """The kinds of frames of a tunnel."""
 
     CHOICE = 16
-    """First of all: the channels that an end takes, and its group."""
+    """First of all: the channels that an end takes, and its group, None for that of one process."""
     MESSAGES = 17
     """Messages, and in the head their channels."""
     LOST = 18
@@ -68,6 +68,8 @@ class TunnelEnd:
         self.came, self.left, self.lost = Accounts(), Accounts(), Accounts()
         self._bus, self._ways, self._motors = bus, ways, motors
         self._wanted: Choice | None = None
+        self._moves_nothing = False
+        """Whether the other end's group is that of one process, which only shows what it takes."""
         self._outbox = Outbox(self.left)
         self._arrived: deque[tuple[str, bytes]] = deque()
         self._rest_until_s = self._due_s = -math.inf
@@ -84,7 +86,7 @@ class TunnelEnd:
         given_hz, wanted_hz = self._ways.given.limit_hz(channel), wanted.limit_hz(channel)
         if given_hz is None or wanted_hz is None:
             return
-        if self._motors.has(channel, data) and not wanted.names(channel):
+        if not self._moves_nothing and self._motors.has(channel, data) and not wanted.names(channel):
             self.left.of(channel).held += 1
             return
         self._outbox.put(channel, data, min(given_hz, wanted_hz), now_s)
@@ -142,10 +144,11 @@ class TunnelEnd:
             case Frame(Kind.LOST, dict(lost)):
                 self._add_lost(lost)
             case Frame(Kind.CHOICE, {"takes": takes, "group": group}) if self._wanted is None:
-                if group == self._group:
+                if group is not None and group == self._group:
                     what = f"both ends are in the group {urlsplit(self._bus.url).netloc} of this machine"
                     raise LinkError(what, Refusal.SERVICE)
                 self._wanted = Choice.told(takes)
+                self._moves_nothing = group is None
             case _:
                 return False
         return True
@@ -211,8 +214,13 @@ def is_name(channel: str) -> bool:
         return False
 
 
-def group_of(url: str) -> list[str]:
-    """Return what tells a group of a machine from all others: its boot, its network namespace, address and port."""
+def group_of(url: str) -> list[str] | None:
+    """Return what tells a group of a machine from all others: its boot, its network namespace, address and port.
+
+    It is None for ``memq://``, which no other program hears.
+    """
+    if url.startswith("memq:"):
+        return None
     boot, network = "", ""
     with suppress(OSError):
         boot, network = _BOOT_ID.read_text(encoding="ascii").strip(), os.readlink(_NETWORK)

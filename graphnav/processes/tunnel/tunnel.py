@@ -7,11 +7,12 @@ import select
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 
-from graphnav import About
+from graphnav import About, UserError
 from graphnav.core.bus import Bus
 from graphnav.core.errors import BusError
-from graphnav.processes.host_link import HostCaller, HostLink, HostListener, LinkError
+from graphnav.processes.host_link import HostCaller, HostLink, HostListener, LinkError, Refusal
 from graphnav.processes.tunnel.end import TunnelEnd, Ways
 from graphnav.processes.tunnel.motor_channels import MotorChannels
 from graphnav.processes.tunnel.outbox import Accounts
@@ -25,12 +26,26 @@ _AT_ONCE = 2000
 _MAX_PAUSE_S = 0.05
 
 
+def refusal(error: LinkError, host: str, key_path: Path, otherwise: str) -> UserError:
+    """Return what to do about an end that refuses this one for a reason that time does not change.
+
+    ``otherwise``: the hint where it is neither another key nor another version.
+    """
+    hints = {
+        Refusal.KEY: f"copy the key of {host} to {key_path}, with mode 0600",
+        Refusal.VERSION: "use the same version of graphnav on both hosts",
+    }
+    return UserError.of(str(error), hints.get(error.reason, otherwise))
+
+
 class Tunnel:
     """Carries messages between a group and other hosts; its owner calls `turn` again and again.
 
     A message that came through a tunnel is heard by no tunnel (`Bus`, ``forwards``): each goes at most one hop, so that
     tunnels may join groups in any way, several the same two. What another program sends again, such as a player of what
     it has recorded, is a new message. ``tell`` is told which hosts come and go.
+
+    ``url``: of the group; with ``memq://`` what comes reaches only those who subscribe to `bus`, and nothing leaves.
 
     Raises BusError if LCM cannot be opened.
     """
@@ -53,8 +68,10 @@ class Tunnel:
         self._ways, self._tell = ways, tell
         self._motors = MotorChannels()
         self._past = Accounts(), Accounts(), Accounts()
-        self.bus = Bus(url, notice, forwards=True)
-        self.bus.subscribe_all(self._hear, _MAX_WAITING)
+        is_private = url.startswith("memq:")
+        self.bus = Bus(url, notice, forwards=not is_private)
+        if not is_private:
+            self.bus.subscribe_all(self._hear, _MAX_WAITING)
 
     def turn(self, timeout_s: float) -> None:
         """Wait for something to do, at most for a time, and do it.
