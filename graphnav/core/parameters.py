@@ -9,7 +9,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, Literal, TypeVar
 
-Candidates = Literal["axes", "channels", "families", "graphs", "overrides", "run folders", "stages", "studies", "types"]
+Candidates = Literal[
+    "axes", "channels", "families", "feeds", "graphs", "hosts", "overrides", "run folders", "stages", "studies", "types"
+]
 """Candidates that TAB may offer; without them it offers files."""
 Completer = Callable[..., list[str]]
 _ActionClass = type[argparse.Action]

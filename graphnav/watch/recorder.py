@@ -72,19 +72,19 @@ class ReceiveStatistics:
 
 
 class Recorder:
-    """Records the messages received on ``url``, from `start` to `close`.
+    """Records the messages received on a live feed, from `start` to `close`.
 
     Events are in order of arrival, stamped with wall time. ``filter`` selects the channels; descriptions of runs are
     always recorded. ``open_files`` opens the log, which gets ``definitions`` of types. ``notice`` is called from
     another thread if the disk fails; ``failure`` then holds the reason.
 
-    Raises BusError if LCM cannot be opened, OSError if the log cannot, LogError if the disk has less than its quota
-    from the beginning.
+    Raises BusError if LCM cannot be opened, UserError as `Feed` and `Feed.open` do, OSError if the log cannot, LogError
+    if the disk has less than its quota from the beginning.
     """
 
     def __init__(
         self,
-        url: str,
+        feed: str,
         path: Path,
         channels: ChannelFilter,
         open_files: Callable[[Path], LogFiles] = LogFiles,
@@ -98,7 +98,9 @@ class Recorder:
         """Packets dropped by the kernel."""
         self._is_closed = False
         self._takes = channels.takes
-        self._feed = LiveFeed(Feed(url), self._take, name="graphnav-listener")
+        opened = Feed(feed)
+        self.feed_name = opened.name
+        self._feed = LiveFeed(opened, self._take, name="graphnav-listener")
         self._feed.open()
         try:
             self.files = open_files(path)
@@ -108,6 +110,16 @@ class Recorder:
         self._log = ThreadedLogWriter(
             path, notice=notice, open_log=lambda _: AboutFirst(self.files, definitions=definitions)
         )
+
+    @property
+    def feed_failure(self) -> str:
+        """Why nothing is received, empty while it is."""
+        return self._feed.failure
+
+    @property
+    def feed_losses(self) -> str:
+        """A phrase about what another computer has dropped in place of sending it; empty if there is nothing."""
+        return self._feed.losses
 
     @property
     def failure(self) -> str:

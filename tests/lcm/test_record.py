@@ -353,11 +353,11 @@ def test_later_parts_of_a_run_are_not_read_as_those_of_a_new_log(
     [
         (
             ["tcpq://localhost"],
-            f"URL: 'tcpq://localhost' is not a udpm:// URL\n  write {Bus.GROUP}, or another group of 239.0.0.0/8\n",
+            f"FEED: 'tcpq://localhost' is not a udpm:// URL\n  write {Bus.GROUP}, or another group of 239.0.0.0/8\n",
         ),
         (
             ["udpm://127.0.0.1:7667"],
-            f"URL: '127.0.0.1' is not a multicast address\n  write {Bus.GROUP}, or another group of 239.0.0.0/8\n",
+            f"FEED: '127.0.0.1' is not a multicast address\n  write {Bus.GROUP}, or another group of 239.0.0.0/8\n",
         ),
         (["--rotate", "3"], "--rotate: only one file is written\n  add --split SIZE, or remove it\n"),
         (["--invert"], "--invert: there is no filter to invert\n  add --channel GLOB or --regex RE\n"),

@@ -169,8 +169,8 @@ def test_a_promised_channel_without_messages_is_said(log: Path, capsys: pytest.C
 @pytest.mark.parametrize(
     ("name", "status", "text"),
     [
-        ("nothing", 2, "there is no {}\n  name a run folder, a log or a udpm:// URL\n"),
-        (".", 2, "{} holds no run.lcmlog\n  name a run folder, a log or a udpm:// URL\n"),
+        ("nothing", 2, "there is no {}\n  name a run folder, a log, a udpm:// URL or a computer: robot.local:\n"),
+        (".", 2, "{} holds no run.lcmlog\n  name a run folder, a log, a udpm:// URL or a computer: robot.local:\n"),
         ("empty", 1, "{} is empty\n"),
         ("foreign", 1, "{} is not an LCM log\n"),
     ],

@@ -61,7 +61,6 @@ class Options:
         help="where hosts are (default: hosts.yaml beside the graph, or in this folder)",
     )
     """The hosts of a graph's ``deploy``."""
-    GROUP = Parameter("url", nargs="?", metavar="URL", help="udpm://... (default: where runs are tapped)")
 
 
 class FailureReport:

@@ -6,10 +6,10 @@ import os
 import sys
 
 from graphnav.core.cli import CommandArguments, Options
-from graphnav.core.parameters import command
+from graphnav.core.parameters import Parameter, command
 
 
-@command(Options.GROUP, *Options.TYPES)
+@command(Parameter("url", nargs="?", metavar="URL", help="udpm://... (default: where runs are tapped)"), *Options.TYPES)
 def main(args: CommandArguments) -> int:
     """Run the command: build the jar of all types unless it is cached, then replace this process by lcm-spy."""
     from graphnav import UserError

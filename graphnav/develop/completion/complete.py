@@ -71,7 +71,9 @@ _BY_KIND: Mapping[Candidates, _Finder] = {
     "axes": _axes,
     "channels": _channels,
     "families": lambda _, __, index: index.families,
+    "feeds": lambda prefix, _, __: [*other_computers(), *run_folders(prefix)],
     "graphs": _graphs,
+    "hosts": lambda _, __, ___: other_computers(),
     "overrides": _overrides,
     "run folders": lambda prefix, _, __: run_folders(prefix),
     "stages": _stages,
@@ -159,6 +161,15 @@ def paths(prefix: str, suffixes: Sequence[str] = ()) -> Iterator[str]:
                 yield f"{folder}{slash}{path.name}/"
             elif not suffixes or path.suffix in suffixes:
                 yield f"{folder}{slash}{path.name}"
+
+
+def other_computers() -> list[str]:
+    """Return the hosts of the ``hosts.yaml`` in the working folder, as feeds."""
+    from graphnav.core.rooms import in_room
+
+    with suppress(GraphnavError):
+        return [f"{name}:" for name in in_room("processes.hosts").named_here()]
+    return []
 
 
 def run_folders(prefix: str) -> Iterator[str]:

@@ -54,7 +54,9 @@ def report(
     catalog = args.catalog()
     args.load_types(catalog)
     name, source = channel_and_feed(args)
-    feed = complete(Feed(source), catalog, args.plugins, None if name is None else [name])
+    feed = complete(
+        Feed(source, None if name is None else [name]), catalog, args.plugins, None if name is None else [name]
+    )
     watch = Watch(feed.clock, name)
     for_s = _JSON_S if args.json and args.for_s is None else args.for_s
     times, timeout = ReportTimes(for_s), Timeout(args.timeout_s, feed, watch, name)

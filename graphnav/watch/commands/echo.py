@@ -65,7 +65,7 @@ def main(args: CommandArguments) -> int:
     paths = [parse_field(text) for text in args.fields]
     catalog = args.catalog()
     args.load_types(catalog)
-    feed = complete(Feed(args.feed), catalog, args.plugins, [args.channel])
+    feed = complete(Feed(args.feed, [args.channel]), catalog, args.plugins, [args.channel])
     watch = Watch(feed.clock, args.channel)
     form = Lines if not args.jsonl else JsonLines
     printer = CsvRows(paths, feed.epoch_s) if args.csv else form(Selection(paths), feed.epoch_s, full=args.full)
@@ -115,8 +115,11 @@ class _Wait:
         if not self._feed.is_live:
             return False
         self._timeout.check()
+        from graphnav.watch.feed import RUN_SILENT_S
+
         name = self._args.channel
-        if run_id := self._watch.ended_run(name, time.monotonic()):
+        is_heard = self._feed.connected_for_s > RUN_SILENT_S
+        if is_heard and (run_id := self._watch.ended_run(name, time.monotonic())):
             print_notice(f"run {shown_name(run_id)} has ended after {self.n_printed} messages on {shown_name(name)}")
             self.is_cut_short = self._args.count is not None
             return True

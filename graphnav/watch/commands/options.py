@@ -18,8 +18,14 @@ FEED = Parameter(
     "feed",
     nargs="?",
     metavar="FEED",
-    help="a udpm:// URL, a log or a run folder (default: where runs are tapped)",
-    offers="run folders",
+    help="another computer where 'graphnav tunnel --serve' runs (HOST: or HOST:PORT), a udpm:// URL, a log or a run "
+    "folder (default: where runs are tapped)",
+    offers="feeds",
+)
+LIVE_FEED = FEED.but(
+    help="where to listen: another computer where 'graphnav tunnel --serve' runs (HOST: or HOST:PORT), or a udpm:// "
+    "URL (default: where runs are tapped)",
+    offers="hosts",
 )
 FROM_S = Parameter(
     "from_s",
@@ -50,15 +56,17 @@ CHANNELS = (
 
 
 def channel_and_feed(args: argparse.Namespace) -> tuple[str | None, str | None]:
-    """Return the channel and the feed; a single word is the feed if it is a URL, a file or a folder."""
+    """Return the channel and the feed; a single word is the feed if it is a URL, a computer, a file or a folder."""
     if args.channel is not None and args.feed is None and _is_feed(args.channel):
         return None, args.channel
     return args.channel, args.feed
 
 
 def _is_feed(word: str) -> bool:
+    from graphnav.watch.feed import host_of
+
     try:
-        return word.startswith("udpm:") or (word != "" and Path(word).exists())
+        return word.startswith("udpm:") or (word != "" and Path(word).exists()) or host_of(word) is not None
     except (OSError, ValueError):  # a name too long, or with a null character
         return False
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from graphnav import Place, UserError
 from graphnav.core.cli import CommandArguments, Exit, Options, StatusLine, counted
 from graphnav.core.parameters import COUNT, Parameter, command, flag
-from graphnav.watch.commands.options import CHANNELS, channels_of
+from graphnav.watch.commands.options import CHANNELS, LIVE_FEED, channels_of
 from graphnav.watch.commands.quantities import size, split
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ _EXAMPLES = """\
 examples:
   graphnav record -o drive.lcmlog                        until Ctrl-C
   graphnav record -c 'robot.*' -c control.twist --for 60
+  graphnav record robot.local: -o drive.lcmlog           what a robot's computer sends, every message
   graphnav record udpm://239.255.1.1:7667 --split 1GB --rotate 10 --quota 5GB
 
 graphnav.about, the description of a run, is always recorded, as the first message, whatever the filters are.
@@ -36,7 +37,7 @@ _MAX_ROWS = 100
 
 
 @command(
-    Options.GROUP.but(help="where to listen, udpm://... (default: where runs are tapped)"),
+    LIVE_FEED,
     Parameter(
         "path", "-o", type=Path, metavar="FILE", help="the log (default: record-DATE-TIME.lcmlog in this folder)"
     ),
@@ -67,29 +68,32 @@ def main(args: CommandArguments) -> int:
     from graphnav.core.interrupts import Interrupt
     from graphnav.core.lcm_url import lcm_url
     from graphnav.core.notices import print_notice
+    from graphnav.watch.feed import host_of
     from graphnav.watch.recorder import buffer_notice
 
     types = args.load_types()
     if args.rotate is not None and args.split is None:
         raise UserError.of("only one file is written", "add --split SIZE, or remove it", Place("--rotate"))
     path = args.path or Path(f"record-{datetime.now(UTC).astimezone():%Y%m%d-%H%M%S}.lcmlog")
-    url = lcm_url(("URL", args.url))
-    if notice := buffer_notice(url):
+    is_far = args.feed is not None and host_of(args.feed) is not None
+    feed = args.feed if is_far else lcm_url(("FEED", args.feed))
+    if not is_far and (notice := buffer_notice(feed)):
         print_notice(notice)
     with Interrupt() as interrupt:
-        recorder = _opened(args, url, path, lcm_text_of(types.values()))
-        print(f"recording to {recorder.files.paths[0]}; Ctrl-C ends it\n  from {url}", flush=True)
+        recorder = _opened(args, feed, path, lcm_text_of(types.values()))
+        print(f"recording to {recorder.files.paths[0]}; Ctrl-C ends it\n  from {recorder.feed_name}", flush=True)
         recorder.start()
         try:
             _watch(recorder, interrupt, args.for_s)
         finally:
             interrupt.settle()
             recorder.close()
-    _print_recorded(recorder, url)
-    return Exit.FAILED if recorder.failure else Exit.OK
+    _print_recorded(recorder)
+    has_failed = recorder.failure or (recorder.feed_failure and not recorder.statistics.n_messages)
+    return Exit.FAILED if has_failed else Exit.OK
 
 
-def _opened(args: CommandArguments, url: str, path: Path, definitions: str) -> Recorder:
+def _opened(args: CommandArguments, feed: str, path: Path, definitions: str) -> Recorder:
     """Return a recorder whose log is open; raise UserError if the file exists or cannot be written."""
     from graphnav.core.notices import print_notice
     from graphnav.core.record import LogFiles, files_of, parts_of
@@ -105,7 +109,7 @@ def _opened(args: CommandArguments, url: str, path: Path, definitions: str) -> R
             if old != path:
                 old.unlink()
         return Recorder(
-            url,
+            feed,
             path,
             channels,
             lambda first: LogFiles(first, args.split, args.rotate, args.quota),
@@ -118,11 +122,12 @@ def _opened(args: CommandArguments, url: str, path: Path, definitions: str) -> R
 
 def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> None:
     """Show the progress until the end, or until a write fails."""
+    from graphnav.core.notices import print_notice
     from graphnav.core.runner import size_text
 
     begin_s = shown_s = time.monotonic()
     end_s = begin_s + for_s if for_s is not None else math.inf
-    shown_bytes = 0
+    shown_bytes, failure = 0, ""
     with StatusLine() as status:
         while not interrupt.asked and not recorder.failure and (left_s := end_s - time.monotonic()) > 0:
             interrupt.wait(min(left_s, _LOOK_S))
@@ -130,6 +135,9 @@ def _watch(recorder: Recorder, interrupt: Interrupt, for_s: float | None) -> Non
             if now_s - shown_s < _STATUS_S:
                 continue
             recorder.look()
+            if recorder.feed_failure != failure and (failure := recorder.feed_failure):
+                status.clear()
+                print_notice(failure)
             statistics = recorder.statistics
             rate = (statistics.n_bytes - shown_bytes) / (now_s - shown_s)
             shown_s, shown_bytes = now_s, statistics.n_bytes
@@ -147,13 +155,15 @@ def _losses(recorder: Recorder) -> Iterator[str]:
         yield f"{counted(lost, 'message')} lost (missing sequence numbers)"
     if recorder.dropped_packets:
         yield f"{counted(recorder.dropped_packets, 'packet')} dropped by the kernel"
+    if recorder.feed_losses:
+        yield recorder.feed_losses
     if recorder.dropped:
         yield f"{counted(recorder.dropped, 'message')} not written"
     if recorder.unnamed:
         yield f"{counted(recorder.unnamed, 'message')} on a channel without a name"
 
 
-def _print_recorded(recorder: Recorder, url: str) -> None:
+def _print_recorded(recorder: Recorder) -> None:
     """Print a table of the channels, the losses and the files."""
     from graphnav.core.errors import shown_name
     from graphnav.core.runner import size_text
@@ -161,7 +171,7 @@ def _print_recorded(recorder: Recorder, url: str) -> None:
 
     statistics = recorder.statistics
     if not statistics.n_messages:
-        print(f"no message on {url}")
+        print(f"no message on {recorder.feed_name}{recorder.feed_failure and f': {recorder.feed_failure}'}")
     else:
         rows = []
         for name in sorted(statistics.channels)[:_MAX_ROWS]:

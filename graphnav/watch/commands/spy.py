@@ -129,7 +129,8 @@ def _watch(feed: Feed, watch: Watch, console: Console) -> None:
                 print_notice(str(feed.silence(_HINT_S)))
             if time.monotonic() - shown_s > (_PRINT_S if console.is_dumb_terminal else _REFRESH_S):
                 shown_s = time.monotonic()
-                heading = "; ".join(filter(None, [f"{feed.name}: {len(watch.channels)} channels", drops_of(feed)]))
+                parts = [f"{feed.name}: {len(watch.channels)} channels", drops_of(feed), feed.failure]
+                heading = "; ".join(filter(None, parts))
                 text = as_text(watch, heading, with_fields=False)
                 if console.is_dumb_terminal:
                     console.print(text)

@@ -42,7 +42,7 @@ def main(args: CommandArguments) -> int:
     from graphnav.watch.spy import health_as_json, health_as_text
 
     args.load_types()
-    feed = Feed(args.feed)
+    feed = Feed(args.feed, ())
     health = Health(feed.clock)
     console = Console(highlight=False)
     if not console.is_terminal:
@@ -129,6 +129,7 @@ class _View:
             return self._body
         heading = Text.assemble(("graphnav top", "bold"), f"  {self._feed.name.partition('?')[0]}  ", ("? keys", "dim"))
         heading.append_text(Text("  FROZEN", "bold reverse") if self._is_frozen else Text())
+        heading.append(f"\n{self._feed.failure}" if self._feed.failure else "", "red")
         keys = [Text.assemble((f"{key:>8}", "bold"), f"  {what}") for key, what in _KEYS] if self._shows_keys else []
         return Group(heading, *keys, self._body)
 
@@ -137,6 +138,8 @@ def _no_run(feed: Feed, health: Health, for_s: float) -> GraphnavError:
     from graphnav import GraphnavError
     from graphnav.core.errors import shown_name
 
+    if feed.failure:
+        return feed.silence(for_s)
     if not feed.is_live:
         return GraphnavError(f"{feed.name} does not contain a status of a run: only live runs record it")
     if health.runs:

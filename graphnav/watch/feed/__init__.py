@@ -2,7 +2,7 @@
 
 from graphnav.watch.feed.announcements import MAX_RUNS, RUN_SILENT_S, Announcements
 from graphnav.watch.feed.channel import KEPT_MESSAGES, WatchedChannel
-from graphnav.watch.feed.feed import Feed, Received, drops_of
+from graphnav.watch.feed.feed import Feed, Received, drops_of, host_of
 from graphnav.watch.feed.health import GuardHealth, Health, RunHealth
 from graphnav.watch.feed.live_feed import LiveFeed, StoppableThread
 from graphnav.watch.feed.log_feed import LogFeed, Past
@@ -26,4 +26,5 @@ __all__ = [
     "Watch",
     "WatchedChannel",
     "drops_of",
+    "host_of",
 ]

@@ -6,7 +6,6 @@ import threading
 from collections.abc import Callable
 
 from graphnav import GraphnavError
-from graphnav.core.errors import BusError
 from graphnav.watch.feed.feed import Feed, Received
 
 _POLL_S = 0.05
@@ -29,7 +28,7 @@ class StoppableThread(threading.Thread):
 
 
 class LiveFeed:
-    """Hands every message of a group to ``take`` as it arrives, in a thread that waits for nothing else.
+    """Hands every message of a live feed to ``take`` as it arrives, in a thread that waits for nothing else.
 
     It may start before any publisher, and outlives publishers. ``take`` is called with ``lock`` held. ``failure``: why
     nothing is received, empty while it is; ``wake`` is called when it has changed.
@@ -48,7 +47,7 @@ class LiveFeed:
         self._thread = StoppableThread(self._listen, name)
 
     def open(self) -> None:
-        """Join the group now, not in the thread; raises BusError if LCM cannot be opened."""
+        """Join the group now, not in the thread; raises as `Feed.open` does."""
         self._feed.open(self._receive)
 
     def start(self) -> None:
@@ -59,6 +58,11 @@ class LiveFeed:
         """Stop after all messages that had arrived were handed over; leave the group."""
         self._thread.stop()
         self._feed.close()
+
+    @property
+    def losses(self) -> str:
+        """A phrase about what another computer has dropped in place of sending it; empty if there is nothing."""
+        return self._feed.losses
 
     def dropped_packets(self) -> int:
         """Return the number of packets dropped by the kernel."""
@@ -80,11 +84,11 @@ class LiveFeed:
         """Wait for a message and hand it over; return whether one arrived."""
         try:
             has_arrived = self._feed.handle(timeout_s)
-        except (BusError, OSError, RuntimeError) as error:
+        except (GraphnavError, OSError, RuntimeError) as error:
             self._fail(str(error))
             self._thread.stopping.wait(_POLL_S)
             return False
-        self._fail("")
+        self._fail(self._feed.failure)
         return has_arrived
 
     def _fail(self, why: str) -> None:

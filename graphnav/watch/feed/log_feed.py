@@ -38,7 +38,7 @@ class LogFeed:
     Raises LogError if the file cannot be read, GraphnavError if the log is empty.
     """
 
-    failure = ""
+    failure = losses = ""
 
     def __init__(
         self,

@@ -106,6 +106,8 @@ class LiveWatch:
                 parts.append(_named(runs))
             if dropped := self._feed.dropped_packets():
                 parts.append(f"{dropped} dropped")
+            if losses := self._feed.losses:
+                parts.append(losses)
             parts.append(f"{watch.count} messages")
             if watch.undecodable:
                 parts.append(f"{watch.undecodable} undecodable")

@@ -80,7 +80,12 @@ class PageFeed:
     @property
     def failure(self) -> str:
         """Why nothing is received, in one line; empty while it is."""
-        return " ".join(self._feed.failure.split())
+        return "; ".join(line.strip() for line in self._feed.failure.splitlines())
+
+    @property
+    def losses(self) -> str:
+        """A phrase about what another computer has dropped in place of sending it; empty if there is nothing."""
+        return self._feed.losses
 
     def dropped_packets(self) -> int:
         """Return the number of packets dropped by the kernel; 0 for a log."""

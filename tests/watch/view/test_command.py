@@ -49,7 +49,7 @@ def test_a_port_that_is_taken(log: Path, capsys: pytest.CaptureFixture[str]) -> 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["nowhere"], "there is no nowhere\n  name a run folder, a log or a udpm:// URL\n"),
+        (["nowhere"], "there is no nowhere\n  name a run folder, a log, a udpm:// URL or a computer: robot.local:\n"),
         (["udpm://127.0.0.1:7667"], "'127.0.0.1' is not a multicast address\n  write udpm://"),
     ],
 )

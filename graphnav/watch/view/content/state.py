@@ -24,6 +24,7 @@ def state_of(feed: PageFeed, run_id: str | None) -> dict[str, Any]:
     channels = feed.state.channels_of(run_id)
     return {
         "failure": feed.failure,
+        "losses": feed.losses,
         "run_id": run_id,
         "runs": list(watch.announcements.runs),
         "run": next((run for run in health["runs"] if run["run_id"] == run_id), None),

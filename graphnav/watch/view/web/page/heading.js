@@ -71,6 +71,7 @@ function digits({ run, run_id: id }) {
 function notices(state) {
   const found = [];
   if (state.failure) found.push([state.failure, true]);
+  if (state.losses) found.push([state.losses, true]);
   if (state.log?.damage) found.push([`the log is damaged: ${state.log.damage}`, true]);
   if (state.run?.silent) found.push([`no status of the run for ${format.seconds(state.run.silent_s)}`, true]);
   if (state.run?.status?.log_fault) found.push([`not recording: ${state.run.status.log_fault}`, true]);
