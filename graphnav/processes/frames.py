@@ -52,6 +52,8 @@ class Kind(IntEnum):
     """To another host: break off the step."""
     ENDED = 12
     """Of another host, the last: by which status the process has ended."""
+    CLOCK = 13
+    """Of what stands for a process on a host: the clock there (`ClockState`), once a second, whatever else goes on."""
 
 
 class Frame(NamedTuple):

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import graphnav
 from graphnav import Graph, GraphnavError, UserError
+from graphnav.core.machine import offset_text
 from graphnav.processes import ssh
 from graphnav.processes.hosts import Host, HostKeys
 from graphnav.processes.started_hosts import StartedHosts
@@ -108,9 +109,7 @@ async def _clock(name: str, connection: SSHClientConnection) -> Check:
         ahead_s = float(said) - begun - took_s / 2
     except ValueError:
         return Check(subject, fine=True, seen="not compared: its date tells no fractions of a second")
-    way = "ahead of" if ahead_s > 0 else "behind"
-    within = f"{abs(ahead_s):.3f} s {way} this one, give or take {took_s / 2:.3f} s"
-    return Check(subject, fine=True, seen=f"{within}; runs use the one here alone")
+    return Check(subject, fine=True, seen=f"{offset_text(ahead_s, took_s / 2)}; runs use the one here alone")
 
 
 async def _version(name: str, host: HostKeys, connection: SSHClientConnection) -> Check:

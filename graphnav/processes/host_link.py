@@ -11,13 +11,17 @@ who can change packets on their way can read and change it. Over a network where
 **Other programs.** Before its proof an end may send frames of at most 512 bytes and has 5 s; at most 16 connections
 wait for a proof, and the oldest is closed for a new one. All that sends anything else is closed and counted by reason.
 
-**Silence.** A proven end sends a frame every second at least. Where nothing comes for 5 s, the link is lost.
+**Silence.** A proven end sends a sign of life every second. Where nothing comes for 5 s, the link is lost.
+
+**Clocks.** A sign of life asks for the time of day, unless an answer is still to come: it has the time at which it was
+sent. The answer repeats that, and has the time of day there and how long the question was held (`HostClock`).
 """
 
 from __future__ import annotations
 
 import hashlib
 import hmac
+import math
 import os
 import secrets
 import select
@@ -36,8 +40,9 @@ from typing import Any
 from graphnav import GraphnavError, UserError
 from graphnav.core.machine import no_user_folder, path_aside, user_folder
 from graphnav.processes.frames import Frame, Link
+from graphnav.processes.host_clock import ClockState, HostClock, boot_ns, read_clocks
 
-VERSION = 1
+VERSION = 2
 """Of this protocol."""
 MAX_FRAME_BYTES = 32 << 20
 """Twice the largest message that liblcm puts together."""
@@ -53,6 +58,8 @@ _UNSENT_BYTES = 1 << 17
 _KEY_BYTES = 32
 _MAX_KEY_FILE_BYTES = 256
 _KEY_FILE = "hosts.key"
+_END_NS = 1 << 62
+"""Times are below, nanoseconds."""
 
 
 class Refusal(StrEnum):
@@ -87,6 +94,9 @@ class _Kind(IntEnum):
     PROOF = 241
     REFUSED = 242
     ALIVE = 243
+    """A sign of life: the question for the time of day, or null."""
+    CLOCK = 244
+    """The answer: the question, how long it was held, and the time of day."""
 
 
 def key_file(given: Path | None) -> Path:
@@ -201,7 +211,16 @@ class HostLink:
         self._key, self._service, self._calls, self._is_full = key, service, calls, is_full
         self._nonces = {calls: secrets.token_hex(_KEY_BYTES)}
         """Of both ends, by whether it is the one that called."""
-        self._heard_s = self._sent_s = self.begin_s
+        self.clock = HostClock()
+        """The clock of the other end."""
+        self.wall_ns: Callable[[], int] = time.time_ns
+        """Reads this machine's time of day."""
+        self._asked_ns: int | None = None
+        """The question that is not answered yet, as all such times by the time since this machine's boot."""
+        self._question: tuple[int, int] | None = None
+        """The newest one of the other end that is not answered yet, and when it came."""
+        self._heard_s = self.begin_s
+        self._alive_s = -math.inf
         self._n_heard = 0
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _UNSENT_BYTES)
@@ -224,11 +243,8 @@ class HostLink:
 
     def send(self, frame: Frame) -> None:
         """Send a frame as far as the network takes it; raises LinkError if the other end is gone."""
-        self._sent_s = time.monotonic()
-        try:
-            self._link.send(frame)
-        except OSError as error:
-            raise self._gone(error) from error
+        self._tell_time()
+        self._send(frame)
 
     def send_more(self) -> None:
         """Send what is left, as far as the network takes it; raises LinkError if the other end is gone."""
@@ -271,8 +287,11 @@ class HostLink:
             self._n_heard, self._heard_s = self._link.n_received, now_s
         if now_s - self._heard_s > _SILENT_S:
             raise LinkError(f"nothing has come from {self.peer} for {_SILENT_S:g} s", Refusal.GONE)
-        if now_s - self._sent_s >= _ALIVE_S and not self.is_sending:
-            self.send(Frame(_Kind.ALIVE, None))
+        self._tell_time()
+
+    def clock_state(self) -> ClockState | None:
+        """Return how far the clock of the other end is ahead of this machine's, None while that is not known."""
+        return self.clock.state(read_clocks(self.wall_ns))
 
     def go_on(self, ready: Collection[int], now_s: float) -> None:
         """Go on with proving, if there is something to do; raises LinkError as `receive` and `tick` do."""
@@ -293,14 +312,51 @@ class HostLink:
         if frame.kind == _Kind.REFUSED:
             raise self._refused(head)
         if self.is_proven:
-            if frame.kind != _Kind.ALIVE:
-                raise self._foreign()
+            self._take_time(frame)
         elif frame.kind == _Kind.HELLO and self._calls and False not in self._nonces:
             self._answer_hello(head)
         elif frame.kind == _Kind.PROOF:
             self._check(head)
         else:
             raise self._foreign()
+
+    def _send(self, frame: Frame) -> None:
+        try:
+            self._link.send(frame)
+        except OSError as error:
+            raise self._gone(error) from error
+
+    def _tell_time(self) -> None:
+        """Answer the question of the other end, and ask it once a second; neither while a frame is not sent yet."""
+        if not self.is_proven or self.is_sending:
+            return
+        if self._question is not None:
+            (asked_ns, came_ns), self._question = self._question, None
+            self._send(Frame(_Kind.CLOCK, (asked_ns, boot_ns() - came_ns, self.wall_ns())))
+        now_s = time.monotonic()
+        if now_s - self._alive_s >= _ALIVE_S:
+            self._alive_s = now_s
+            is_open = self._asked_ns is not None
+            if not is_open:
+                self._asked_ns = boot_ns()
+            self._send(Frame(_Kind.ALIVE, None if is_open else self._asked_ns))
+
+    def _take_time(self, frame: Frame) -> None:
+        """Take a sign of life, or an answer to one."""
+        now_ns = boot_ns()
+        match frame:
+            case Frame(_Kind.ALIVE, None):
+                pass
+            case Frame(_Kind.ALIVE, asked_ns) if _is_time(asked_ns):
+                self._question = asked_ns, now_ns
+                self._tell_time()
+            case Frame(_Kind.CLOCK, [asked_ns, held_ns, wall_ns]) if (
+                all(map(_is_time, frame.head)) and asked_ns == self._asked_ns
+            ):
+                self._asked_ns = None
+                self.clock.add(asked_ns, now_ns, held_ns, wall_ns)
+            case _:
+                raise self._foreign()
 
     def _answer_hello(self, head: Mapping[str, Any]) -> None:
         if head.get("graphnav") != VERSION:
@@ -564,6 +620,10 @@ class _Attempt:
             self.connection = connection
             if self._is_given_up:
                 connection.close()
+
+
+def _is_time(value: object) -> bool:
+    return type(value) is int and 0 <= value < _END_NS
 
 
 def events_of(link: HostLink) -> int:

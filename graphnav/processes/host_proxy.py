@@ -17,7 +17,7 @@ from graphnav import GraphnavError
 from graphnav.core.notices import print_notice
 from graphnav.processes.child import connected
 from graphnav.processes.frames import Frame, Kind, Link, receive
-from graphnav.processes.host_link import HostCaller, HostLink, LinkError, events_of
+from graphnav.processes.host_link import HostCaller, HostLink, LinkError, Refusal, events_of
 from graphnav.processes.hosts import SERVICE
 
 _LOOK_S = 0.05
@@ -33,6 +33,8 @@ class HostProxy:
         self._host: HostLink | None = None
         self._is_interrupted = False
         self._told = ""
+        self._n_answers = 0
+        """About the clock of the host, those that were passed on."""
         self._begin_s = time.monotonic()
 
     def interrupt(self, _number: int, _frame: object) -> None:
@@ -97,11 +99,16 @@ class HostProxy:
             while (frame := host.receive()) is not None:
                 if frame.kind == Kind.ENDED:
                     _end_as(int(frame.head))
+                if frame.kind == Kind.CLOCK:
+                    raise LinkError(f"{host.peer} sent what only this machine can measure", Refusal.FOREIGN)
                 self._run.send(frame)
         if self._run.fileno() in ready:
             self._run.send_more()
             while (asked := self._run.receive()) is not None:
                 host.send(asked)
+        if host.clock.n_answers != self._n_answers and not self._run.is_sending:
+            self._n_answers = host.clock.n_answers
+            self._run.send(Frame(Kind.CLOCK, host.clock_state()))
 
     def _refuse(self, why: str) -> NoReturn:
         """Answer the set-up with why the stages cannot be made there, and wait for the run to end this."""

@@ -13,6 +13,7 @@ from graphnav.core.graph import Node, Part
 from graphnav.core.runner import Encoded
 from graphnav.processes.descriptors import is_readable
 from graphnav.processes.frames import Frame, Kind, Link
+from graphnav.processes.host_clock import ClockState
 from graphnav.processes.journal import Journal
 from graphnav.processes.step_frames import digest_of, unpacked_error
 
@@ -55,6 +56,8 @@ class StageProcess:
         """Why it is down for good, in a sentence that begins with "its process"; empty while it is not."""
         self.hint = ""
         self.link: Link | None = None
+        self.clock: ClockState | None = None
+        """Of the host that it lives on, None while that is not known, or where it lives on none."""
         self.is_interrupted = False
         """Whether a step of it was broken off, after which its stages are only asked for metrics and closed."""
         self.setup, self._journal, self._is_live = setup, journal, is_live
@@ -144,6 +147,9 @@ class StageProcess:
         answer = self.link.receive()
         if answer is None:
             return
+        if answer.kind == Kind.CLOCK:
+            self.clock = ClockState(*answer.head)
+            return
         if answer.kind == Kind.PREPARED:
             if (prepared := self._preparing.get(answer.head["number"])) is not None:
                 prepared.answer = answer
@@ -170,7 +176,7 @@ class StageProcess:
         if self.link is not None:
             self.link.close()
             self.link = None
-        self.is_made = False
+        self.is_made, self.clock = False, None
         if self._current is not None and self._current.kind != Kind.SETUP and self._current.digest is None:
             self._pending.appendleft(self._current)
         self._current = None

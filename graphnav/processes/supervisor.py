@@ -18,6 +18,7 @@ from graphnav.core.runner import CODE, ProcessState, new_run_id, provenance
 from graphnav.processes import child, host_proxy
 from graphnav.processes.children import Children, Running
 from graphnav.processes.frames import Frame, Kind, send
+from graphnav.processes.host_clock_notices import HostClockNotices
 from graphnav.processes.hosts import Host, fingerprint, hosts_of
 from graphnav.processes.journal import Journal
 from graphnav.processes.output_lines import OutputLines
@@ -70,6 +71,7 @@ class Supervisor:
         """By the name of the part."""
         self.ends: dict[str, list[str]] = {name: [] for name in self.processes}
         """How each process ended before the run did."""
+        self._clocks = HostClockNotices(notice)
         self._restarts = {name: Restarts(part) for name, part in graph.deploy.items()}
         self._due_s: dict[str, float] = {}
         """When processes are started again, monotonic seconds."""
@@ -199,6 +201,7 @@ class Supervisor:
                 self.pid_of(name) or 0,
                 self._state_of(name, process),
                 process.restarts,
+                **self._clocks.fields(process.part, process.clock),
             )
             for name, process in self.processes.items()
         ]
@@ -210,6 +213,7 @@ class Supervisor:
                 "stages": [node.name for node in process.nodes],
                 "restarts": process.restarts,
                 "ended": self.ends[name],
+                **self._clocks.report(process.part),
             }
             for name, process in self.processes.items()
         }
@@ -332,6 +336,7 @@ class Supervisor:
             self.end(name, f"failed: {error}")
         except GraphnavError as error:
             self.end(name, f"cannot go on: {error}")
+        self._clocks.look(process.part, process.clock)
         if self._is_live and process.is_free and (lost_s := self._lost_s.pop(name, None)) is not None:
             self._notice(f"process '{name}' is back after {time.monotonic() - lost_s:.1f} s")
 

@@ -9,11 +9,11 @@ import struct
 
 class process_status_t(object):
 
-    __slots__ = ["name", "n_stages", "stages", "pid", "state", "restarts", "cpu_ratio", "memory_mb"]
+    __slots__ = ["name", "n_stages", "stages", "pid", "state", "restarts", "cpu_ratio", "memory_mb", "host", "round_trip_ms", "clock_offset_s", "clock_error_s", "clock_drift_ppm", "clock_steps"]
 
-    __typenames__ = ["string", "int32_t", "string", "int64_t", "string", "int64_t", "double", "double"]
+    __typenames__ = ["string", "int32_t", "string", "int64_t", "string", "int64_t", "double", "double", "string", "double", "double", "double", "double", "int64_t"]
 
-    __dimensions__ = [None, None, ["n_stages"], None, None, None, None, None]
+    __dimensions__ = [None, None, ["n_stages"], None, None, None, None, None, None, None, None, None, None, None]
 
     def __init__(self):
         self.name = ""
@@ -60,6 +60,42 @@ class process_status_t(object):
         LCM Type: double
         """
 
+        self.host = ""
+        """
+        The host that it lives on, as deploy calls it; empty of this machine.
+        LCM Type: string
+        """
+
+        self.round_trip_ms = 0.0
+        """
+        To the host and back, the shortest of the last minute; NaN while it is not known, as what follows.
+        LCM Type: double
+        """
+
+        self.clock_offset_s = 0.0
+        """
+        How far the clock of the host is ahead of this machine's; negative if it is behind.
+        LCM Type: double
+        """
+
+        self.clock_error_s = 0.0
+        """
+        The offset is not wrong by more.
+        LCM Type: double
+        """
+
+        self.clock_drift_ppm = 0.0
+        """
+        By how many millionths the clock of the host goes faster.
+        LCM Type: double
+        """
+
+        self.clock_steps = 0
+        """
+        How often the clock of the host was set while it was connected.
+        LCM Type: int64_t
+        """
+
 
     def encode(self):
         buf = BytesIO()
@@ -84,6 +120,11 @@ class process_status_t(object):
         buf.write(__state_encoded)
         buf.write(b"\0")
         buf.write(struct.pack(">qdd", self.restarts, self.cpu_ratio, self.memory_mb))
+        __host_encoded = self.host.encode('utf-8')
+        buf.write(struct.pack('>I', len(__host_encoded)+1))
+        buf.write(__host_encoded)
+        buf.write(b"\0")
+        buf.write(struct.pack(">ddddq", self.round_trip_ms, self.clock_offset_s, self.clock_error_s, self.clock_drift_ppm, self.clock_steps))
 
     @staticmethod
     def decode(data: bytes):
@@ -109,12 +150,15 @@ class process_status_t(object):
         __state_len = struct.unpack('>I', buf.read(4))[0]
         self.state = buf.read(__state_len)[:-1].decode('utf-8', 'replace')
         self.restarts, self.cpu_ratio, self.memory_mb = struct.unpack(">qdd", buf.read(24))
+        __host_len = struct.unpack('>I', buf.read(4))[0]
+        self.host = buf.read(__host_len)[:-1].decode('utf-8', 'replace')
+        self.round_trip_ms, self.clock_offset_s, self.clock_error_s, self.clock_drift_ppm, self.clock_steps = struct.unpack(">ddddq", buf.read(40))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if process_status_t in parents: return 0
-        tmphash = (0x27957c7ac6b41758) & 0xffffffffffffffff
+        tmphash = (0x7bc81c795cfc3abd) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -27,6 +27,7 @@ from graphnav.core.codec import encode
 from graphnav.core.machine.console import Console
 from graphnav.core.messages import About, GuardState, Message, Status
 from graphnav.core.record import LogWriter
+from graphnav.core.runner import ProcessState
 from graphnav.watch.feed import MAX_RUNS, Health, Received
 from graphnav.watch.spy import health_as_json, health_as_text
 
@@ -117,7 +118,7 @@ def test_an_output_that_sent_only_stops_has_no_latency() -> None:
 def process(name: str, *stages: str, pid: int = 4242, state: str = "ready", restarts: int = 0) -> dict[str, Any]:
     """Return the status of a process."""
     load = {"cpu_ratio": 0.254, "memory_mb": 61.7}
-    return {"name": name, "stages": stages, "pid": pid, "state": state, "restarts": restarts, **load}
+    return ProcessState(name, stages, pid, state, restarts)._asdict() | load  # type: ignore[arg-type]
 
 
 OVER_PROCESSES = replace(
@@ -168,6 +169,43 @@ def test_the_processes_of_a_run_and_the_ways_of_its_edges_are_told() -> None:
     assert ways == [("", "eyes"), ("eyes", ""), ("eyes", "eyes")]
 
 
+@pytest.mark.parametrize(
+    ("clock", "told"),
+    [
+        ({}, "jetson: not measured"),
+        (
+            {"round_trip_ms": 0.41, "clock_offset_s": 0.0123, "clock_error_s": 0.0002},
+            "jetson: 0.4 ms away, clock 12.3 ms ahead ± 0.2 ms",
+        ),
+        (
+            {"round_trip_ms": 8.0, "clock_offset_s": -0.003, "clock_error_s": 0.004, "clock_drift_ppm": -0.2},
+            "jetson: 8.0 ms away, clock alike within 4.0 ms, 0 ppm",
+        ),
+        (
+            {
+                "round_trip_ms": 0.4,
+                "clock_offset_s": -3600.0,
+                "clock_error_s": 2e-4,
+                "clock_drift_ppm": 3.0,
+                "clock_steps": 2,
+            },
+            "jetson: 0.4 ms away, clock 3600 s behind ± 0.2 ms, 3 ppm, set 2 times",
+        ),
+    ],
+)
+def test_the_clock_of_a_host_is_told(clock: dict[str, float], told: str) -> None:
+    health = Health(lambda: 10.5)
+    processes = (OVER_PROCESSES.processes[0], process("eyes", "flow", "plane") | {"host": "jetson"} | clock)
+    status = replace(OVER_PROCESSES, processes=processes)
+    health.receive(Received("graphnav.status", encode(status, 12_300_000, 12), 10.4))
+    assert rows_of(text_of(health), "process")[1][-1] == told
+    assert told.rsplit(maxsplit=1)[-1] in text_of(health, 80), "it is wrapped, and never cut"
+    own, eyes = health_as_json(health, "")["runs"][0]["status"]["processes"]
+    assert (own["host"], own["host_shown"], own["clock_offset_s"]) == ("", "", None)
+    assert (eyes["host"], eyes["host_shown"]) == ("jetson", told)
+    assert eyes["clock_offset_s"] == clock.get("clock_offset_s")
+
+
 def test_in_lockstep_no_edge_drops_anything() -> None:
     health = Health(lambda: 10.5)
     health.receive(Received("graphnav.status", encode(replace(OVER_PROCESSES, live=False), 12_300_000, 12), 10.4))
@@ -183,7 +221,8 @@ def test_a_run_in_one_process_shows_none() -> None:
 def test_processes_of_a_hostile_status_are_text_of_bounded_length() -> None:
     health = Health(lambda: 10.5)
     many = tuple(process(f"\x1b[2J{k}", f"\x1b]0;{k}", pid=-(2**63), state="\x07", restarts=-1) for k in range(3000))
-    load = {"cpu_ratio": float("nan"), "memory_mb": float("-inf")}
+    load = {"cpu_ratio": float("nan"), "memory_mb": float("-inf"), "host": "\x1b]0;h"}
+    load |= {"round_trip_ms": 1e300, "clock_offset_s": -1e300, "clock_error_s": 0.0, "clock_drift_ppm": 1e300}
     edges = tuple({"name": f"\x1b{k}", "channel": "\u202e", "overtaken": 2**63 - 1} for k in range(3000))
     hostile = replace(OVER_PROCESSES, processes=(many[0] | load, *many), edges=edges)
     health.receive(Received("graphnav.status", encode(hostile, 12_300_000, 12), 10.4))

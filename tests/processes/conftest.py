@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from graphnav import About, Status
 from graphnav.core.catalog import Catalog
+from graphnav.core.codec import decode
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph, graph_of
 from graphnav.core.run_folder import RunFolder
@@ -91,6 +93,27 @@ class Ran:
         counts = {name: (did.steps, did.dropped) for name, did in self.summary.stages.items()}
         told = self.summary
         return told.outcome, told.failure, told.scores, told.frames, told.changes, counts
+
+
+class Viewer:
+    """A tap that keeps the statuses; when one tells of a process that is starting, it makes the file ``seen``."""
+
+    def __init__(self, seen: Path) -> None:
+        self.dropped, self.url = 0, ""
+        self.statuses: list[Status] = []
+        self._seen = seen
+
+    def announce(self, about: About, shareable: Collection[str] = ()) -> None:
+        """Hear what the run is."""
+
+    def write(self, channel: str, _utime: int, data: bytes) -> None:
+        if channel == Status.CHANNEL:
+            self.statuses.append(decode(Status, data)[2])
+            if any(process["state"] == "starting" for process in self.statuses[-1].processes):
+                self._seen.touch()
+
+    def close(self) -> None:
+        """Leave."""
 
 
 Runs = Callable[..., Ran]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import socket
 import stat
@@ -83,10 +84,10 @@ def pair(listener: HostListener) -> Iterator[Pair]:
     made.close()
 
 
-def received(link: HostLink) -> Frame:
-    """Wait for a frame."""
+def received(link: HostLink, *steps: Callable[[], object]) -> Frame:
+    """Wait for a frame, and take steps meanwhile."""
     found: list[Frame] = []
-    until(lambda: found, lambda: found.extend(filter(None, [link.receive()])))
+    until(lambda: found, *steps, lambda: found.extend(filter(None, [link.receive()])))
     return found[0]
 
 
@@ -127,7 +128,7 @@ def test_an_end_that_listens_without_the_key_learns_nothing_and_is_left() -> Non
         caller = HostCaller("127.0.0.1", listening.getsockname()[1], KEY, "test")
         until(caller.pollables, lambda: caller.step([], 0))
         link = Link(listening.accept()[0])
-        link.send(Frame(240, {"graphnav": 1, "service": "test", "nonce": "0" * 64}))
+        link.send(Frame(240, {"graphnav": host_link.VERSION, "service": "test", "nonce": "0" * 64}))
         proofs: list[Frame] = []
         until(
             lambda: proofs,
@@ -151,8 +152,9 @@ def test_another_service_and_another_version_are_told_apart(
     pair.close()
     version = Pair(listener)
     until(lambda: version.caller.pollables() and len(version.listener.pollables()) > 1, version.step)
-    monkeypatch.setattr(host_link, "VERSION", 2)
-    with pytest.raises(LinkError, match="has another version of this protocol than 2"):
+    newer = host_link.VERSION + 1
+    monkeypatch.setattr(host_link, "VERSION", newer)
+    with pytest.raises(LinkError, match=f"has another version of this protocol than {newer}"):
         until(lambda: False, version.step)
     version.close()
 
@@ -269,6 +271,108 @@ def test_silence_is_a_cut_and_signs_of_life_prevent_it(pair: Pair, monkeypatch: 
             link.tick(time.monotonic())
     with pytest.raises(LinkError, match=r"nothing has come from 127.0.0.1:\d+ for 0.5 s"):
         until(lambda: False, near.receive, lambda: near.tick(time.monotonic()))
+
+
+def turn(*links: HostLink) -> None:
+    """Let links go on that have nothing else to say."""
+    for link in links:
+        assert link.receive() is None
+        link.tick(time.monotonic())
+
+
+def test_both_ends_know_the_clock_of_the_other_one(pair: Pair, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(host_link, "_ALIVE_S", 0.01)
+    near, far = pair.connect()
+    ahead_ns = [3_600_000_000_000]
+    far.wall_ns = lambda: time.time_ns() + ahead_ns[0]
+    assert near.clock_state() is None
+
+    def are_right(offset_s: float) -> bool:
+        states = near.clock_state(), far.clock_state()
+        if None in states:
+            return False
+        assert all(state is not None and state.round_trip_s > 0 for state in states)
+        wrong_s = [abs(s.offset_s - o) - s.error_s for s, o in zip(states, (offset_s, -offset_s), strict=True) if s]
+        return max(wrong_s) <= 0
+
+    until(lambda: are_right(3600.0), lambda: turn(near, far))
+    for k, step_s in enumerate((0.3, -3600.0), 1):
+        ahead_ns[0] += round(step_s * 1e9)
+        until(lambda k=k: near.clock.n_steps == k, lambda: turn(near, far))  # type: ignore[misc]
+        assert near.clock.step_s == pytest.approx(step_s, abs=near.clock_state().round_trip_s + 1e-3)  # type: ignore[union-attr]
+        until(lambda: are_right(ahead_ns[0] * 1e-9), lambda: turn(near, far))
+    assert far.clock.n_steps == 0, "its own clock was set"
+    n_answers = far.clock.n_answers
+    until(lambda: far.clock.n_answers > n_answers + 10, lambda: turn(near, far))
+    assert (near.clock.n_steps, far.clock.n_steps) == (2, 0)
+
+
+def test_an_answer_that_waits_for_what_is_sent_tells_for_how_long(pair: Pair) -> None:
+    near, far = pair.connect()
+    far.wall_ns = lambda: time.time_ns() + 5_000_000_000
+    far._link.send(Frame(7, None, (bytes(24 << 20),)))
+    assert far.is_sending
+    near.tick(time.monotonic())
+    asked_s = time.monotonic()
+    until(lambda: far._question is not None, lambda: turn(far))
+    came_s = time.monotonic()
+    until(lambda: time.monotonic() - came_s > 0.1, lambda: turn(far))
+    assert received(near, far.send_more).kind == 7
+    until(lambda: near.clock.n_answers, lambda: turn(near, far))
+    state = near.clock_state()
+    assert state is not None
+    assert abs(state.offset_s - 5.0) <= state.error_s
+    assert state.round_trip_s <= time.monotonic() - asked_s - 0.1
+
+
+HOSTILE_TIMES: dict[str, tuple[int, Callable[[int], object]]] = {
+    "a boolean as a question": (243, lambda _: True),
+    "a negative question": (243, lambda _: -1),
+    "a fraction as a question": (243, lambda _: 0.5),
+    "NaN as a question": (243, lambda _: math.nan),
+    "a string as a question": (243, lambda _: "1"),
+    "an object as a question": (243, lambda _: {}),
+    "a huge question": (243, lambda _: 1 << 62),
+    "an answer that is none": (244, lambda _: None),
+    "an object as an answer": (244, lambda asked: {"0": asked}),
+    "too short an answer": (244, lambda asked: [asked, 0]),
+    "too long an answer": (244, lambda asked: [asked, 0, 1, 1]),
+    "an answer to another question": (244, lambda asked: [asked + 1, 0, 1]),
+    "NaN as a time": (244, lambda asked: [asked, 0, math.nan]),
+    "infinity as a time": (244, lambda asked: [asked, math.inf, 1]),
+    "a negative time": (244, lambda asked: [asked, 0, -1]),
+    "held for less than nothing": (244, lambda asked: [asked, -1, 1]),
+    "a huge time": (244, lambda asked: [asked, 0, 1 << 62]),
+    "a time that is a boolean": (244, lambda asked: [asked, 0, True]),
+    "a time that is a list": (244, lambda asked: [asked, [0], 1]),
+    "another kind": (245, lambda _: None),
+}
+
+
+@pytest.mark.parametrize(("kind", "head"), HOSTILE_TIMES.values(), ids=HOSTILE_TIMES)
+def test_times_that_are_none_are_closed(kind: int, head: Callable[[int], object], pair: Pair) -> None:
+    near, far = pair.connect()
+    far.tick(time.monotonic())
+    assert far._asked_ns is not None
+    near._link.send(Frame(kind, head(far._asked_ns)))
+    with pytest.raises(LinkError, match="sent something else than frames") as closed:
+        until(lambda: False, far.receive)
+    assert closed.value.reason is Refusal.FOREIGN
+    assert far.clock.n_answers == 0
+
+
+def test_an_answer_counts_once(pair: Pair) -> None:
+    near, far = pair.connect()
+    far.tick(time.monotonic())
+    answer = Frame(244, (far._asked_ns, 0, (1 << 62) - 1))
+    for _ in range(2):
+        near._link.send(answer)
+    with pytest.raises(LinkError, match="sent something else than frames"):
+        until(lambda: False, far.receive)
+    assert far.clock.n_answers == 1
+    state = far.clock_state()
+    assert state is not None
+    assert state.offset_s > 1e9
 
 
 def test_a_cut_is_noticed_and_called_again_after(pair: Pair) -> None:

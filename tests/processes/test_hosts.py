@@ -3,30 +3,36 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from graphnav import UserError
 from graphnav.core.graph import Graph
 from graphnav.core.run_folder import RunFolder
-from graphnav.core.runner import Outcome
+from graphnav.core.runner import Outcome, run_recorded
+from graphnav.processes.frames import Frame, Kind
 from graphnav.processes.host_link import HostListener, made_key
-from graphnav.processes.host_share import HostShare, serve_host
+from graphnav.processes.host_share import HostedProcess, HostShare, serve_host
 from graphnav.processes.hosts import FILE, SERVICE, hosts_of
+from graphnav.processes.run import run_processes
 from graphnav.processes.supervisor import Supervisor
 from tests.processes.conftest import (
     PATIENCE_S,
     STAGES,
     STEPS,
     Runs,
+    Viewer,
     is_alive,
     request,
     restarted,
@@ -58,6 +64,11 @@ class Share:
     def _serve(self) -> None:
         self._share.serve(self._stopping.is_set)
         self._share.close()
+
+    def set_clock(self, ahead_s: float) -> None:
+        """Set the clock of the host, as all runs see it that are connected."""
+        for one in self._share._hosted:
+            one.link.wall_ns = lambda: time.time_ns() + round(ahead_s * 1e9)
 
     def pid_of(self, part: str) -> int:
         """Return the process of a part."""
@@ -141,6 +152,70 @@ def test_a_host_that_ends_is_waited_for(tmp_path: Path, runs: Runs, hosted: Host
     many = runs(graph, {1.0: "hand"}, end)
     later[0].join()
     assert many.agrees_with(runs(alone(graph)))
+
+
+def test_the_run_tells_the_clock_of_a_host_and_that_it_was_set(tmp_path: Path, hosted: Hosted) -> None:
+    """Each of its processes there measures it; a step is told once. The log is that of one process."""
+    graph = steps_graph(tmp_path, DEPLOY)
+    share = hosted(graph)
+    viewer, supervisors, notices, set_at = Viewer(tmp_path / "seen"), list[Supervisor](), list[str](), list[int]()
+
+    def on_tick(utime: int) -> None:
+        if utime < 1_000_000 or set_at:
+            return
+        set_at.append(utime)
+        there = [supervisors[0].processes[name] for name in ("eyes", "mind")]
+        for n_steps in (0, 1):
+            wait_until(
+                lambda n_steps=n_steps: (  # type: ignore[misc]
+                    supervisors[0].wait(0.01)  # type: ignore[func-returns-value]
+                    or all(one.clock is not None and one.clock.n_steps == n_steps for one in there)
+                )
+            )
+            share.set_clock(3600.0)
+
+    (tmp_path / "run").mkdir()
+    options: dict[str, Any] = {"supervised": supervisors.append, "on_tick": on_tick, "notice": notices.append}
+    run_processes(graph, graph.make_stages(), tmp_path / "run", tap=viewer, pace_ratio=1.0, **options)
+    assert [line for line in notices if "the clock of" in line] == [
+        "the clock of the host jetson was set 3600 s ahead; the run goes by its own"
+    ]
+    told = {one["name"]: one for one in viewer.statuses[-1].processes}
+    assert {name: (one["host"], one["clock_steps"]) for name, one in told.items()} == {
+        "": ("", 0),
+        "eyes": ("jetson", 1),
+        "mind": ("jetson", 1),
+        "hand": ("", 0),
+    }
+    for name in ("eyes", "mind"):
+        assert told[name]["round_trip_ms"] > 0
+        assert abs(told[name]["clock_offset_s"] - 3600.0) <= told[name]["clock_error_s"]
+    assert all(math.isnan(told["hand"][field]) for field in ("round_trip_ms", "clock_offset_s", "clock_drift_ppm"))
+    summary = json.loads((tmp_path / "run" / RunFolder.SUMMARY).read_text())
+    assert {name: one.get("clock_steps") for name, one in summary["processes"].items()} == {
+        "eyes": 1,
+        "mind": 1,
+        "hand": None,
+    }
+    (tmp_path / "alone").mkdir()
+    run_recorded(alone(graph), alone(graph).make_stages(), tmp_path / "alone")
+    assert (tmp_path / "run" / RunFolder.LOG).read_bytes() == (tmp_path / "alone" / RunFolder.LOG).read_bytes()
+
+
+def test_a_clock_that_the_host_itself_sends_ends_the_process(
+    tmp_path: Path, runs: Runs, hosted: Hosted, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    graph = steps_graph(tmp_path, DEPLOY)
+    hosted(graph)
+
+    def lie(_: HostShare, one: HostedProcess, frame: Frame) -> None:
+        one.link.send(Frame(Kind.CLOCK, [0.0, 0.0, 0.0, None, 1, 1e9] if frame.kind == Kind.SETUP else []))
+
+    monkeypatch.setattr(HostShare, "_take", lie)
+    ran = runs(graph)
+    assert ran.summary.outcome == Outcome.FAILED
+    assert not any("was set" in line for line in ran.notices)
+    assert any("sent what only this machine can measure" in line for line in ran.notices)
 
 
 def test_ctrl_c_breaks_off_a_step_on_a_host(tmp_path: Path, hosted: Hosted) -> None:

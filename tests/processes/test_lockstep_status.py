@@ -2,45 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from graphnav import About, Status
-from graphnav.core.codec import decode
+from graphnav import Status
 from graphnav.core.graph import Graph
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import run_recorded
 from graphnav.processes.run import run_processes
 from graphnav.processes.supervisor import Supervisor
-from tests.processes.conftest import kill, steps_graph
+from tests.processes.conftest import Viewer, kill, steps_graph
 
 PARTS = "deploy: {{left: {{stages: [clock, second]}}, right: {{stages: [third], {policy}}}}}"
 KILLED_US = 1_000_000
-
-
-class Viewer:
-    """A tap that keeps the statuses; when one tells of a process that is starting, it makes a file."""
-
-    def __init__(self, seen: Path) -> None:
-        self.dropped, self.url = 0, ""
-        self.statuses: list[Status] = []
-        self._seen = seen
-
-    def announce(self, about: About, shareable: Collection[str] = ()) -> None:
-        """Hear what the run is."""
-
-    def write(self, channel: str, _utime: int, data: bytes) -> None:
-        if channel == Status.CHANNEL:
-            self.statuses.append(decode(Status, data)[2])
-            if any(process["state"] == "starting" for process in self.statuses[-1].processes):
-                self._seen.touch()
-
-    def close(self) -> None:
-        """Leave."""
 
 
 def viewed(graph: Graph, folder: Path, seen: Path) -> tuple[list[Status], bytes]:

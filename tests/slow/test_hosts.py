@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -12,6 +13,7 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +21,11 @@ import pytest
 from testbed.drives import GRAPHNAV
 from testbed.processes import running
 
+from graphnav import Recording, Status
 from graphnav.core.run_folder import RunFolder
 from tests.targets import Targets
 
-from .harms import Harm, harm_of, states_of
+from .harms import STANDS_MPS, Harm, harm_of, states_of
 
 PATIENCE_S = 120.0
 SSHD = "/usr/sbin/sshd"
@@ -37,6 +40,10 @@ STOP_S = 1.0
 """Time until the robot brakes: as in several processes of one computer, and the network."""
 QUIET = "--no-tap", "--no-pictures"
 ROBOT = "run", "robot_live", *QUIET, "--set", "robot.state_hz=100", "--until", "200"
+CLOCK_STEPS_S = 5 * (0.3, 3600.0, -0.3, -3600.0)
+STEP_ERROR_S = 0.1
+"""Half of a round trip to a computer that is busy."""
+_STEP = re.compile(r"the clock of the host jetson was set ([\d.]+) s (back|ahead)")
 HARMS = ("cable out for 0.2 s", "cable out for 1 s", "cable out for 10 s", "stages killed", "computer's command killed")
 
 
@@ -50,6 +57,8 @@ class Computers:
 
     def __init__(self, folder: Path, cleanup: ExitStack) -> None:
         self.folder, self._cleanup = folder, cleanup
+        self.environments: tuple[list[str], list[str]] = [], []
+        """Variables of what is started on each."""
         number = os.getpid()
         self._names = f"gn-a-{number}", f"gn-b-{number}"
         self._cables = f"gna{number}", f"gnb{number}"
@@ -77,7 +86,7 @@ class Computers:
     def execute(self, computer: int, name: str, *words: str) -> subprocess.Popen[bytes]:
         """Start a program on one of them, as `start` does."""
         command = ["env", "-C", str(self.folder), f"HOME={self.folder}", f"XDG_STATE_HOME={self.folder}/state"]
-        command += ["ip", "netns", "exec", self._names[computer], *words]
+        command += [*self.environments[computer], "ip", "netns", "exec", self._names[computer], *words]
         return self._cleanup.enter_context(running(command, self.folder / f"{name}.txt"))
 
     def plug(self, *, is_in: bool) -> None:
@@ -268,6 +277,76 @@ def test_who_is_refused(computers: Computers, targets: Targets) -> None:
         text = f"{what}: {n_said} of {N_REFUSALS} told, exit statuses {dict(statuses)}"
         targets.check(text, good=n_said == N_REFUSALS and set(statuses) == {1})
         targets.say(lines[0] if lines else "nothing was said")
+
+
+def test_clocks_that_are_set(computers: Computers, targets: Targets, seeds: range) -> None:
+    """The clock of the computer with the stages is set again and again while the robot drives: it never stops for it.
+
+    Only the time of day there is another one, as where it is set: libfaketime adds what a file says.
+    """
+    library = next(Path("/usr/lib").glob("*/faketime/libfaketimeMT.so.1"), None)
+    if library is None:
+        pytest.skip("a clock is set by libfaketime: apt-get install faketime")
+    clock = computers.folder / "clock"
+    computers.environments[1][:] = [
+        f"LD_PRELOAD={library}", f"FAKETIME_TIMESTAMP_FILE={clock}", "FAKETIME_NO_CACHE=1",
+        "FAKETIME_DONT_FAKE_MONOTONIC=1", "NO_FAKE_STAT=1",
+    ]  # fmt: skip
+    _set_clock(clock, 0.0)
+    file, ahead_s, steps_s = computers.write("eyes.yaml", "navigate_live", "flow, plane"), 0.0, list(CLOCK_STEPS_S)
+    computers.start(1, "jetson", "run", file, "--host", "jetson")
+    computers.await_text("jetson", "waits on port")
+    n_told, stands, outcomes, offsets_s = 0, 0, list[str](), list[float]()
+    for seed in seeds:
+        if not steps_s:
+            break
+        robot = computers.start(0, f"robot{seed}", *ROBOT, "--seed", str(seed), "-o", f"robot{seed}")
+        run = computers.start(0, f"run{seed}", "run", file, *QUIET, "-o", f"run{seed}")
+        computers.await_text("jetson", "process 'eyes' for the run at", len(outcomes) + 1)
+        time.sleep(5.0)
+        begin_s, n_set = time.time(), 0
+        while steps_s and robot.poll() is None:
+            ahead_s += (step_s := steps_s.pop(0))
+            n_set += 1
+            _set_clock(clock, ahead_s)
+            n_told += _is_told(computers.folder / f"run{seed}.txt", n_set, step_s)
+        end_s = time.time()
+        time.sleep(3.0)
+        robot.send_signal(signal.SIGINT)
+        robot.wait(PATIENCE_S)
+        run.send_signal(signal.SIGINT)
+        run.wait(PATIENCE_S)
+        states = [one for one in states_of(computers.folder / f"robot{seed}") if begin_s <= one[0] <= end_s + 2.0]
+        stands += sum(
+            abs(state.v_mps) < STANDS_MPS <= abs(before.v_mps) and not state.at_goal
+            for (_, before), (_, state) in pairwise(states)
+        )
+        with Recording(computers.folder / f"run{seed}" / RunFolder.LOG) as log:
+            status = [status for _, _, status in log.messages(Status.CHANNEL) if isinstance(status, Status)][-1]
+        offsets_s += [one["clock_offset_s"] - ahead_s for one in status.processes if one["host"]]
+        outcomes.append(f"{len(states) / 100:.0f} s")
+    n_steps = len(CLOCK_STEPS_S) - len(steps_s)
+    text = f"clock set {n_steps} times in {', '.join(outcomes)} of driving: {n_told} told, {stands} stops of the robot"
+    targets.check(text, good=n_steps == n_told == len(CLOCK_STEPS_S) and not stands)
+    targets.check(f"wrong by {1e3 * max(map(abs, offsets_s)):.2f} ms at the end", good=max(map(abs, offsets_s)) < 0.05)
+
+
+def _set_clock(file: Path, ahead_s: float) -> None:
+    """Set the clock that a file tells, which is never incomplete."""
+    aside = file.with_suffix(".new")
+    aside.write_text(f"{ahead_s:+.1f}")
+    aside.rename(file)
+
+
+def _is_told(printed: Path, times: int, step_s: float) -> bool:
+    """Wait until a run has told so many steps; return whether the last one is as expected."""
+    end_s = time.monotonic() + PATIENCE_S
+    while len(told := _STEP.findall(printed.read_text())) < times:
+        if time.monotonic() > end_s:
+            return False
+        time.sleep(0.05)
+    size, way = told[-1]
+    return len(told) == times and abs((-1 if way == "back" else 1) * float(size) - step_s) < STEP_ERROR_S
 
 
 def _told(kind: str, harms: list[Harm]) -> str:

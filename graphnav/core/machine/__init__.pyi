@@ -1,5 +1,6 @@
 # What the rest of graphnav takes of this folder, each imported on first use.
 
+from .clock_words import NOTABLE_OFFSET_S, SET_ALIKE, offset_text, set_text, side_text, span_text
 from .console import Console
 from .escaped_streams import escaped_output
 from .extras import import_extra, import_pandas, install_command, requirements_of
@@ -14,9 +15,11 @@ from .threads import ONE_THREAD, end_despite_threads
 from .user_folders import no_user_folder, user_folder
 
 __all__ = [
+    "NOTABLE_OFFSET_S",
     "ONE_THREAD",
     "OPT_OUT",
     "PORTABLE",
+    "SET_ALIKE",
     "Console",
     "ReceiveBuffer",
     "TerminalGraphics",
@@ -31,12 +34,16 @@ __all__ = [
     "keep_channels",
     "lacking",
     "no_user_folder",
+    "offset_text",
     "open_regular",
     "path_aside",
     "peer_of",
     "pin",
     "read_json",
     "requirements_of",
+    "set_text",
+    "side_text",
+    "span_text",
     "used_instruction_set",
     "user_folder",
     "write_atomically",

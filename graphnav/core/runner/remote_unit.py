@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Literal, NamedTuple, Protocol
@@ -112,7 +113,11 @@ class RemoteStage(Protocol):
 
 
 class ProcessState(NamedTuple):
-    """A process of a run, and the stages that live in it."""
+    """A process of a run, and the stages that live in it.
+
+    ``host``: on which it lives, empty for this machine; the others: what the run knows of that host's clock, NaN while
+    it is not known, as in ``process_status_t``.
+    """
 
     name: str
     stages: tuple[str, ...]
@@ -120,6 +125,12 @@ class ProcessState(NamedTuple):
     """0 while there is none."""
     state: Literal["starting", "ready", "restarting", "given up"]
     restarts: int
+    host: str = ""
+    round_trip_ms: float = math.nan
+    clock_offset_s: float = math.nan
+    clock_error_s: float = math.nan
+    clock_drift_ppm: float = math.nan
+    clock_steps: int = 0
 
 
 class RemoteProcesses(Protocol):

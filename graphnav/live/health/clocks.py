@@ -7,19 +7,18 @@ from itertools import combinations
 from typing import NamedTuple
 
 from graphnav import Graph
+from graphnav.core.machine import NOTABLE_OFFSET_S, SET_ALIKE, side_text, span_text
 from graphnav.live.inputs.sender_monitor import SenderMonitor
 from graphnav.live.live_schedule import LiveSchedule
 
-_OFFSET_S = 0.2
-"""A smaller offset is a transport delay."""
 _MIN_ACCEPTED = 5
 """Messages after which the smallest delay is an estimate of the offset."""
 _NEWS_RATIO = 0.5
 """An offset that has changed by less than this share of itself, or by less than 0.2 s, is not reported again."""
 _HALF_HOUR_S, _LOCAL_TIME_S, _MAX_LOCAL_H = 1800.0, 60.0, 14
 """Clocks in local time differ by half hours, which a clock without NTP keeps to a minute."""
-_SYNC = "\n  set the clocks of all machines alike, by chrony or PTP"
-_DAY_S, _YEAR_S = 86_400.0, 365 * 86_400.0
+_SYNC = f"\n  {SET_ALIKE}"
+_YEAR_S = 365 * 86_400.0
 
 
 class _Pair(NamedTuple):
@@ -78,10 +77,10 @@ class Clocks:
             self.notes[ref] = "stamps are of CLOCK_MONOTONIC, the time since boot: only stamps of that clock join them"
             yield from self._news(ref, f"{who}: {self.notes[ref]}")
             return
-        if abs(offset_s) < _OFFSET_S:
+        if abs(offset_s) < NOTABLE_OFFSET_S:
             self._told.pop(ref, None)
             return
-        note = f"its clock is {_span(offset_s)} {_side(offset_s)} this machine's{_reason(offset_s)}"
+        note = f"its clock is {span_text(offset_s)} {side_text(offset_s)} this machine's{_reason(offset_s)}"
         if not monitor.counts_offset:
             note += ", which does not count as age"
         elif offset_s < 0:
@@ -98,21 +97,22 @@ class Clocks:
             return
         offset_s = first.monitor.offset_s - second.monitor.offset_s
         key = f"{pair.stage} {pair.first} {pair.second}"
-        if abs(offset_s) < _OFFSET_S:
+        if abs(offset_s) < NOTABLE_OFFSET_S:
             self._told.pop(key, None)
             return
         self.is_troubled = True
         fate = f"{pair.stage} cannot join them"
         if pair.is_sampled and -self._schedule.clock.run_s() < offset_s < 0:  # samples of that time have come
             fate = f"{pair.stage} joins what is that far apart, unless {first.source.name} takes that long"
-        note = f"stamps of {first.source.name} are {_span(offset_s)} {_side(offset_s)} those of {second.source.name}"
+        far = f"{span_text(offset_s)} {side_text(offset_s)}"
+        note = f"stamps of {first.source.name} are {far} those of {second.source.name}"
         self.notes[pair.first] = f"{note}: {fate}"
         yield from self._news(key, f"{pair.first}: {note}: {fate}", offset_s, _SYNC)
 
     def _news(self, key: str, line: str, offset_s: float = 0.0, hint: str = "") -> Iterator[str]:
         """Yield a line unless it, or one with nearly the same offset, was told last."""
         before, before_s = self._told.get(key, ("", 0.0))
-        is_near = abs(offset_s - before_s) <= max(_OFFSET_S, _NEWS_RATIO * abs(before_s))
+        is_near = abs(offset_s - before_s) <= max(NOTABLE_OFFSET_S, _NEWS_RATIO * abs(before_s))
         if before == line or (before and offset_s and is_near):
             return
         self._told[key] = line, offset_s
@@ -137,18 +137,6 @@ def _pairs(graph: Graph) -> Iterator[_Pair]:
                 yield _Pair(node.name, a, b, is_sampled)
         for channel in node.outputs.values():
             origins[channel.ref] = frozenset() if node.every_ms is not None else plain
-
-
-def _side(offset_s: float) -> str:
-    return "behind" if offset_s < 0 else "ahead of"
-
-
-def _span(seconds: float) -> str:
-    """Return the size of an offset in a readable unit."""
-    size_s = abs(seconds)
-    if size_s < _DAY_S:
-        return f"{size_s:.2f} s" if size_s < 100 else f"{size_s:.0f} s"
-    return f"{size_s / _DAY_S:.0f} days"
 
 
 def _reason(offset_s: float) -> str:

@@ -14,7 +14,7 @@ from graphnav.core.errors import shown_name
 from graphnav.core.tables import Cell, Table, cut
 from graphnav.watch.feed import MAX_RUNS, GuardHealth, Health, RunHealth
 from graphnav.watch.fields.plain_values import plain
-from graphnav.watch.spy.processes import EDGE, PROCESS, Processes, shown_process
+from graphnav.watch.spy.processes import EDGE, PROCESS, Processes, shown_host, shown_process
 
 _FORGET_S = 10.0
 """A run that is silent for longer is shown in one line."""
@@ -34,6 +34,7 @@ _STRINGS = {
     "edge",
     "reads",
     "way",
+    "host",
 }
 """Columns that shrink if a table is too wide; numbers are never cut."""
 _WIDE_COLS = 100
@@ -47,7 +48,7 @@ _WIDE_ONLY = {
 }
 _MAX_ROWS = 1000
 """Any program may send a status of any length."""
-_WRAPPED = {"fault", "rejected"}
+_WRAPPED = {"fault", "rejected", "host"}
 _STOP = "stop"
 """The guard's cause of a stop that was requested; a stopped robot without it is held by what the guard found."""
 
@@ -110,6 +111,8 @@ def _tables(status: Status, style: str, width_cols: int) -> Iterator[RenderableT
             hidden = set(_WIDE_ONLY[headings] if width_cols < _WIDE_COLS else ())
             if not processes:
                 hidden.add("process")
+            if not processes.has_hosts:
+                hidden.add("host")
             if not status.live and headings is EDGE:
                 hidden.add("overtaken")
             yield _table(headings, rows, style, hidden)
@@ -230,8 +233,9 @@ def _run_json(health: Health, run: RunHealth) -> dict[str, Any]:
             one["details"] = {reason: text for reason, text in zip(reasons, one["details"], strict=False) if text}
             del one["n_reasons"]
         processes = Processes(run.status)
-        for one in fields["processes"]:
+        for one, given in zip(fields["processes"], run.status.processes, strict=True):
             del one["n_stages"]
+            one["host_shown"] = shown_host(given)
         for one in fields["edges"] if processes else ():
             one["processes"] = processes.way(one)
     return {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode
 from graphnav.core.graph import load_graph
 from graphnav.core.messages import About, Flow, Image, Map, Message, Plane, State, Status, Steering, Stop, Twist
+from graphnav.core.runner import ProcessState
 from graphnav.core.runner.recording.run_recorded import about_of
 
 N_FRAMES = 40
@@ -97,14 +98,17 @@ def status(k: int) -> Status:
     )
 
 
-def process_status(name: str, stages: tuple[str, ...], state: str = "ready", restarts: int = 0) -> dict[str, Any]:
+def process_status(
+    name: str, stages: tuple[str, ...], state: Literal["ready", "restarting"] = "ready", restarts: int = 0
+) -> dict[str, Any]:
     """Return the health of a process."""
-    load = {"pid": 4242 if state == "ready" else 0, "cpu_ratio": 0.254, "memory_mb": 61.7}
-    return {"name": name, "stages": stages, "state": state, "restarts": restarts, **load}
+    load = {"cpu_ratio": 0.254, "memory_mb": 61.7}
+    return ProcessState(name, stages, 4242 if state == "ready" else 0, state, restarts)._asdict() | load
 
 
 def status_of_processes(k: int) -> Status:
     """Return the health of a run over three processes, of which one is being started again."""
+    clock = {"round_trip_ms": 0.41, "clock_offset_s": 0.0123, "clock_error_s": 0.0002, "clock_steps": 1}
     edges = (("plane.flow", "flow.flow", 4), ("flow.image", "robot.image", 0), ("steer.plane", "plane.plane", 0))
     return replace(
         status(k),
@@ -112,7 +116,7 @@ def status_of_processes(k: int) -> Status:
         edges=tuple({"name": name, "channel": ref, "overtaken": n} for name, ref, n in edges),
         processes=(
             process_status("", ("robot", "planar", "control", "drive")),
-            process_status("eyes", ("flow", "plane")),
+            process_status("eyes", ("flow", "plane")) | {"host": "jetson"} | clock,
             process_status(MARKUP, ("steer",), "restarting", 2),
         ),
     )

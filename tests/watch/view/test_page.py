@@ -18,6 +18,7 @@ from .served import Served
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get install chromium")
 
+EYES_HOST = "jetson: 0.4 ms away, clock 12.3 ms ahead ± 0.2 ms, set 1 time"
 SCRIPT = """
 window.id = (id) => document.getElementById(id);
 window.all = (selector) => [...document.querySelectorAll(selector)];
@@ -123,16 +124,20 @@ def test_processes_and_the_ways_of_edges_are_shown(page_of_processes: Browser) -
     page.wait_for("!id('processes-panel').hidden && all('#edges tbody tr').length === 3")
     rows = "all('{} tbody tr').map((row) => [...row.children].map((cell) => cell.textContent))"
     assert page.evaluate(rows.format("#processes")) == [
-        ["(run)", "robot, planar, control, drive", "4242", "ready", "0", "25 %", "62 MB"],
-        ["eyes", "flow, plane", "4242", "ready", "0", "25 %", "62 MB"],
-        [MARKUP, "steer", "–", "restarting", "2", "25 %", "62 MB"],
+        ["(run)", "robot, planar, control, drive", "4242", "ready", "0", "25 %", "62 MB", ""],
+        ["eyes", "flow, plane", "4242", "ready", "0", "25 %", "62 MB", EYES_HOST],
+        [MARKUP, "steer", "–", "restarting", "2", "25 %", "62 MB", ""],
     ]
     assert page.evaluate(rows.format("#edges")) == [
         ["plane.flow", "flow.flow", "within eyes", "4"],
         ["flow.image", "robot.image", "(run) → eyes", "0"],
         ["steer.plane", "plane.plane", f"eyes → {MARKUP}", "0"],
     ]
-    assert page.evaluate("strings('#processes td.bad')") == ["restarting", "2"]
+    host = "getComputedStyle(document.querySelector('#processes td:last-child')).display"
+    assert page.evaluate(host) == "table-cell"
+    page.evaluate("id('processes-panel').classList.add('no-hosts')")
+    assert page.evaluate(host) == "none"
+    assert page.evaluate("strings('#processes td.bad')") == [EYES_HOST, "restarting", "2"]
     labels = page.evaluate("strings('.graph text.lost').filter((text) => /from|overtaken/.test(text)).sort()")
     assert labels == ["4 overtaken", "from (run)", "from eyes"]
     titles = page.evaluate("strings('.graph .stage title')")

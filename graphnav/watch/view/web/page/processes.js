@@ -23,6 +23,7 @@ export class Processes {
     const edges = processes.length ? status.edges : [];
     this.panel.hidden = !processes.length;
     setClass(this.panel, "silent", state.run?.silent);
+    setClass(this.panel, "no-hosts", !processes.some((one) => one.host));
     table(this.processes, processes, process);
     table(this.edges, edges, (one) => edge(one, status.live));
     const left = Math.max(0, processes.length - MAX_ROWS) + Math.max(0, edges.length - MAX_ROWS);
@@ -50,6 +51,7 @@ function process(one) {
     [format.count(one.restarts), one.restarts > 0],
     [`${(100 * (one.cpu_ratio ?? 0)).toFixed(0)} %`],
     [`${(one.memory_mb ?? 0).toFixed(0)} MB`],
+    [one.host_shown, one.clock_steps > 0],
   ];
 }
 
