@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 import struct
 import time
 from collections.abc import Callable, Iterator
@@ -18,6 +19,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.codec import encode
 from graphnav.core.graph import Graph, load_graph
 from graphnav.core.runner import about_of
+from graphnav.processes import host_clock, host_link
 from graphnav.processes.frames import Frame
 from graphnav.processes.host_link import HostCaller, HostListener, LinkError
 from graphnav.processes.tunnel import tunnel as tunnel_module
@@ -238,6 +240,39 @@ def test_announcements_that_are_none_teach_nothing(live_graph: Graph) -> None:
         motors.learn(encode(replace(about_of(live_graph), graph_yaml="", run_id=str(k)), 0, 0))
     assert not motors.is_announced("BASE_CMD")  # forgotten: there are 32 newer runs
     assert len(motors._runs) == 32
+
+
+def test_the_clock_of_the_other_end_is_told_and_what_follows(hosts: Hosts, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(host_link, "_ALIVE_S", 0.01)
+    serving, calling = hosts.join()
+    report, clock = Report(calling), calling.ends[0].link.clock
+    hosts.until(lambda: clock.n_answers)
+    assert report.clocks() == ""
+    (line,) = report.clock_lines()
+    assert re.fullmatch(r"clock of 127.0.0.1:\d+: [\d.]+ m?s (ahead|behind) ± .+|.+: alike within [\d.]+ m?s", line)
+    serving.ends[0].link.wall_ns = lambda: time.time_ns() - 300_000_000
+    hosts.until(lambda: clock.n_steps)
+    assert re.fullmatch(
+        r"the clock of (127.0.0.1:\d+) was set 0.\d\d s back; clock of \1: 0.\d\d s behind ± [\d.]+ m?s, set 1 time: "
+        "what comes from there has its stamps, and live inputs count an offset below max_age_s as age: set the clocks "
+        "of all machines alike, by chrony or PTP",
+        report.clocks(),
+    )
+    n_answers = clock.n_answers
+    hosts.until(lambda: clock.n_answers > n_answers)
+    assert report.clocks() == ""
+    told = report.clock_lines()
+    calling._close(calling.ends[0])
+    assert report.clock_lines() == told, "the last that was known"
+    assert len(told) == 1
+
+
+def test_a_clock_of_this_machine_that_is_set_is_told_as_such(hosts: Hosts, monkeypatch: pytest.MonkeyPatch) -> None:
+    report = Report(hosts.serve())
+    assert report.clocks() == ""
+    monkeypatch.setattr(host_clock.read_clocks, "__defaults__", (lambda: time.time_ns() + 3_600_000_000_000,))
+    assert report.clocks() == "the clock of this machine was set 3600 s ahead"
+    assert report.clocks() == ""
 
 
 def test_a_rate_thins_and_is_told_to_the_other_end(hosts: Hosts) -> None:

@@ -180,7 +180,7 @@ def _carry(
             if now_s - status_s < _STATUS_S:
                 continue
             status_s = now_s
-            lines = [report.refusals()]
+            lines = [report.refusals(), report.clocks()]
             if now_s - losses_s >= _LOSSES_S:
                 losses_s = now_s
                 lines.append(report.losses())
@@ -190,7 +190,8 @@ def _carry(
             for line in filter(None, lines):
                 status.clear()
                 _say(f"{now_s - begin_s:.0f} s  {line}")
-            status.show(f"{now_s - begin_s:.0f} s  {report.sums()}; {counted(len(tunnel.ends), 'connection')}")
+            parts = [report.sums(), counted(len(tunnel.ends), "connection"), *report.clock_lines()]
+            status.show(f"{now_s - begin_s:.0f} s  {'; '.join(parts)}")
     if losses := report.losses():
         _say(f"{time.monotonic() - begin_s:.0f} s  {losses}")
 
@@ -219,4 +220,6 @@ def _print_end(report: Report) -> None:
         print_folded(table)
     if n_more := report.n_further_rows():
         print(f"and {counted(n_more, 'more row')}")
+    for line in report.clock_lines():
+        print(line)
     print(report.sums())

@@ -6,14 +6,17 @@ from collections.abc import Iterator, Mapping
 
 from graphnav.core.cli import counted
 from graphnav.core.errors import shown_name
+from graphnav.core.machine import NOTABLE_OFFSET_S, SET_ALIKE, offset_text, set_text
 from graphnav.core.runner import size_text
 from graphnav.core.tables import Table
-from graphnav.processes.host_link import Refusal
+from graphnav.processes.host_clock import ClockState, OwnClock, read_clocks
+from graphnav.processes.host_link import HostLink, Refusal
 from graphnav.processes.tunnel.outbox import Accounts, Passed
-from graphnav.processes.tunnel.tunnel import Tunnel
+from graphnav.processes.tunnel.tunnel import MAX_LINKS, Tunnel
 
 _MAX_NAMED = 5
 _MAX_ROWS = 100
+_FATE = f"what comes from there has its stamps, and live inputs count an offset below max_age_s as age: {SET_ALIKE}"
 _LOSSES = {"dropped": "dropped", "thinned": "above their rate", "held": "on motor channels that are not named"}
 
 
@@ -25,6 +28,9 @@ class Report:
         self._lost: dict[tuple[str, str], Passed] = {}
         self._refused: dict[Refusal, int] = {}
         self._packets = self._overruns = 0
+        self._own = OwnClock()
+        self._clocks: dict[HostLink, ClockState] = {}
+        """As last seen, of the newest connections."""
 
     def sums(self) -> str:
         """Return how much came and left, in a line."""
@@ -53,6 +59,32 @@ class Report:
             self._overruns = self._tunnel.n_overruns
         return "; ".join(parts)
 
+    def clocks(self) -> str:
+        """Return in a line which clocks were set, or are now far from this machine's, since the last call."""
+        parts = []
+        if own_s := self._own.look(read_clocks()):
+            parts.append(f"the clock of this machine {set_text(own_s)}")
+        for link in self._open():
+            state, before = link.clock_state(), self._clocks.pop(link, None)
+            if state is None:
+                continue
+            self._clocks[link] = state
+            if state.n_steps > (0 if before is None else before.n_steps):
+                parts.append(f"the clock of {link.peer} {set_text(state.step_s)}")
+            if _is_apart(state) and not (before is not None and _is_apart(before)):
+                parts.append(f"{_clock(link, state)}: {_FATE}")
+        while len(self._clocks) > MAX_LINKS:
+            self._clocks.pop(next(iter(self._clocks)))
+        return "; ".join(parts)
+
+    def clock_lines(self) -> list[str]:
+        """Return a line for the clock of each connection; where none is open for the last ones."""
+        links = self._open() or self._clocks
+        return [_clock(link, self._clocks[link]) for link in links if link in self._clocks]
+
+    def _open(self) -> list[HostLink]:
+        return [end.link for end in self._tunnel.ends]
+
     def refusals(self) -> str:
         """Return in a line which connections were closed since the last call; empty if none were."""
         links = self._tunnel.links
@@ -79,6 +111,15 @@ class Report:
     def n_further_rows(self) -> int:
         """Return how many rows `table` leaves out."""
         return max(0, len(_lost(self._tunnel)) - _MAX_ROWS)
+
+
+def _is_apart(state: ClockState) -> bool:
+    return abs(state.offset_s) - state.error_s >= NOTABLE_OFFSET_S
+
+
+def _clock(link: HostLink, state: ClockState) -> str:
+    steps = f", set {counted(state.n_steps, 'time')}" if state.n_steps else ""
+    return f"clock of {link.peer}: {offset_text(state.offset_s, state.error_s, state.drift_ppm)}{steps}"
 
 
 def _lost(tunnel: Tunnel) -> dict[tuple[str, str], Passed]:
