@@ -236,15 +236,15 @@ def test_up_drives_live(computers: Computers, targets: Targets, seeds: range) ->
         while left := computers.left_on_the_other("--host", "jetson"):
             assert time.monotonic() < asked_s + PATIENCE_S, left
             time.sleep(0.02)
-        figures = f"p50 {computers.p50_ms(run):.1f} ms, nothing left after {time.monotonic() - asked_s:.2f} s"
+        seen = f"p50 {computers.p50_ms(run):.1f} ms, nothing left after {time.monotonic() - asked_s:.2f} s"
         targets.check(
-            f"seed {seed}: {computers.outcome(robot)}, {figures}",
+            f"seed {seed}: {computers.outcome(robot)}, {seen}",
             good=status == 130 and computers.outcome(robot) == "goal",
         )
 
 
 def test_who_is_refused(computers: Computers, targets: Targets) -> None:
-    """Another graph, other values, another version, another key: each so many times, and what is said."""
+    """Another graph, other values, another version, another key: each so many times, and the line that tells it."""
     file = computers.write("two.yaml", "corridor_ccw", "flow, planar, plane")
     jetson = ("run", file, "--host", "jetson")
     other = computers.write("other.yaml", "corridor_ccw", "flow, plane")
@@ -276,7 +276,7 @@ def test_who_is_refused(computers: Computers, targets: Targets) -> None:
         share.wait(PATIENCE_S)
         text = f"{what}: {n_said} of {N_REFUSALS} told, exit statuses {dict(statuses)}"
         targets.check(text, good=n_said == N_REFUSALS and set(statuses) == {1})
-        targets.say(lines[0] if lines else "nothing was said")
+        targets.say(lines[0] if lines else "nothing was told")
 
 
 def test_clocks_that_are_set(computers: Computers, targets: Targets, seeds: range) -> None:
