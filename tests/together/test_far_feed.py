@@ -19,7 +19,7 @@ from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.develop.completion.complete import other_computers
 from graphnav.processes.frames import Frame, Link
-from graphnav.processes.host_link import HostListener, key_file, made_key
+from graphnav.processes.host_link import VERSION, HostListener, key_file, made_key
 from graphnav.processes.hosts import SERVICE as STAGES
 from graphnav.processes.tunnel.choice import Choice, Chosen
 from graphnav.processes.tunnel.end import Ways
@@ -202,10 +202,10 @@ NAME_PORT = "name the port of 'graphnav tunnel --serve' on localhost; this one i
 REFUSALS = [
     (
         hello(99, SERVICE),
-        "has another version of this protocol than 1",
+        f"has another version of this protocol than {VERSION}",
         "use the same version of graphnav on both hosts",
     ),
-    (hello(1, STAGES), f"serves another thing than a {SERVICE}", NAME_PORT),
+    (hello(VERSION, STAGES), f"serves another thing than a {SERVICE}", NAME_PORT),
     (lambda connection: connection.sendall(b"SSH-2.0-OpenSSH\r\n" * 9), "sent something else than frames", NAME_PORT),
 ]
 
