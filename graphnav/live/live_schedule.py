@@ -41,7 +41,8 @@ _MAX_WAIT_S = 0.05
 class StampedNow:
     """Writes messages to several sinks, stamped now: senders' clocks may differ.
 
-    ``sent_us``: when the next message was sent, if it was; that is its time then, so that no receiver logs it earlier.
+    ``sent_us``: when the message that is written next was sent, None if it was not: then that is its time, so that no
+    receiver logs it earlier.
     """
 
     def __init__(self, sinks: Sequence[Sink], clock: LiveClock) -> None:
@@ -371,9 +372,10 @@ class LiveSchedule:
         if isinstance(message, GuardState):
             self.guard_states[channel.stage] = message
         if outlet is not None:
-            if not is_of_another:  # one of another process is logged in its turn
-                self.sink.sent_us = self.clock.now()
+            now = self.clock.now()
             outlet.publish(message, data, utime, self._birth_s, self._origin_s)
+            if not is_of_another:  # one of another process is logged in its turn
+                self.sink.sent_us = now
 
     def _note_firing(self, unit: Unit[LiveInbox], utime: int, taken: Taken) -> None:
         """Keep a firing for the log until the run is idle: no command waits for the log."""

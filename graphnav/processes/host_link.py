@@ -3,10 +3,10 @@
 A `HostListener` takes connections, a `HostCaller` makes one and makes it again after a cut; both hand out a `HostLink`
 once it is proven. Nothing here waits: the owner polls what ``pollables`` names, and calls ``step`` and ``receive``.
 
-**Authentication.** The key, 32 random bytes, is in a file that only its user may read. Each end sends a nonce and gets
-back the HMAC (SHA-256) of both nonces, of the service and of the role of who answers, first the calling end. The key
-is never sent, and an answer is of no use for another connection. What follows is neither encrypted nor signed: those
-who can change packets on their way can read and change it. Over a network where that matters, let ``ssh -L`` carry it.
+**Authentication.** Both ends have a key (`host_key`). Each sends a nonce and gets back the HMAC (SHA-256) of both
+nonces, of the service and of the role of who answers, first the calling end. The key is never sent, and an answer is of
+no use for another connection. What follows is neither encrypted nor signed: those who can change packets on their way
+can read and change it. Over a network where that matters, let ``ssh -L`` carry it.
 
 **Other programs.** Before its proof an end may send frames of at most 512 bytes and has 5 s; at most 16 connections
 wait for a proof, and the oldest is closed for a new one. All that sends anything else is closed and counted by reason.
@@ -22,23 +22,19 @@ from __future__ import annotations
 import hashlib
 import hmac
 import math
-import os
 import secrets
 import select
 import socket
-import stat
 import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from enum import IntEnum, StrEnum
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from graphnav import GraphnavError, UserError
-from graphnav.core.machine import no_user_folder, path_aside, user_folder
+from graphnav import GraphnavError
 from graphnav.processes.frames import Frame, Link
 from graphnav.processes.host_clock import ClockState, HostClock, boot_ns, read_clocks
 
@@ -55,9 +51,7 @@ _CONNECT_S = 5.0
 _PAUSE_S, _MAX_PAUSE_S = 0.2, 2.0
 _UNSENT_BYTES = 1 << 17
 """Bytes that the kernel holds while the network has no room for them: more would only be old when they arrive."""
-_KEY_BYTES = 32
-_MAX_KEY_FILE_BYTES = 256
-_KEY_FILE = "hosts.key"
+_NONCE_BYTES = 32
 _END_NS = 1 << 62
 """Times are below, nanoseconds."""
 
@@ -99,93 +93,6 @@ class _Kind(IntEnum):
     """The answer: the question, how long it was held, and the time of day."""
 
 
-def key_file(given: Path | None) -> Path:
-    """Return the file of the key: the given one, or that of this user.
-
-    Raises
-    ------
-    UserError
-        The user has no folder for it.
-    """
-    if given is not None:
-        return given
-    folder = user_folder("XDG_STATE_HOME")
-    if folder is None:
-        raise UserError.of(no_user_folder("XDG_STATE_HOME"), "or name a file for the key: --key FILE")
-    return folder / _KEY_FILE
-
-
-def read_key(path: Path) -> bytes:
-    """Return the key in a file.
-
-    Raises
-    ------
-    UserError
-        It is missing, or other users may read it.
-    """
-    try:
-        found = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        with os.fdopen(found, "rb") as file:
-            mode = os.fstat(found).st_mode
-            text = file.read(_MAX_KEY_FILE_BYTES) if stat.S_ISREG(mode) else b""
-    except FileNotFoundError as error:
-        hint = (
-            f"'graphnav tunnel --serve' or 'run --host' on the other host makes one: copy it, with mode 0600, to {path}"
-        )
-        raise UserError.of(f"the key {path} does not exist", hint) from error
-    except OSError as error:
-        raise UserError.of(f"cannot read the key in {path}: {error.strerror}", "name another file: --key") from error
-    if mode & 0o077:
-        raise UserError.of(f"other users may read or change the key in {path}", f"run chmod 600 {path}")
-    key = key_of(text.decode("ascii", "replace").strip())
-    if key is None:
-        hint = f"it has {2 * _KEY_BYTES} hexadecimal digits: copy it again"
-        raise UserError.of(f"{path} does not contain a key", hint)
-    return key
-
-
-def new_key() -> bytes:
-    """Return a new key."""
-    return secrets.token_bytes(_KEY_BYTES)
-
-
-def key_of(digits: str) -> bytes | None:
-    """Return the key of its hexadecimal digits, None if they are not of one."""
-    with suppress(ValueError):
-        if len(key := bytes.fromhex(digits)) == _KEY_BYTES:
-            return key
-    return None
-
-
-def made_key(path: Path) -> tuple[bytes, bool]:
-    """Return the key in a file, and whether it was made now because there was none.
-
-    Raises
-    ------
-    UserError
-        It cannot be made or read.
-    """
-    if path.exists():
-        return read_key(path), False
-    aside = path_aside(path)
-    is_made = True
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        with os.fdopen(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), "wb") as file:
-            file.write(new_key().hex().encode() + b"\n")
-            file.flush()
-            os.fsync(file.fileno())
-        os.link(aside, path)  # unlike a renaming it replaces no key that another process has made meanwhile
-    except FileExistsError:
-        is_made = False
-    except OSError as error:
-        raise UserError.of(f"cannot write the key to {path}: {error.strerror}", "name another file: --key") from error
-    finally:
-        with suppress(OSError):
-            aside.unlink()
-    return read_key(path), is_made
-
-
 class HostLink:
     """One end of a connection, of the one that called or of the one that listened.
 
@@ -209,7 +116,7 @@ class HostLink:
         self.after_s: float | None = None
         """How long there was no connection after a cut; None for the first one, and where this end listens."""
         self._key, self._service, self._calls, self._is_full = key, service, calls, is_full
-        self._nonces = {calls: secrets.token_hex(_KEY_BYTES)}
+        self._nonces = {calls: secrets.token_hex(_NONCE_BYTES)}
         """Of both ends, by whether it is the one that called."""
         self.clock = HostClock()
         """The clock of the other end."""
@@ -390,7 +297,7 @@ class HostLink:
 
     def _take_nonce(self, head: Mapping[str, Any], *, calls: bool) -> None:
         nonce = head.get("nonce")
-        if not isinstance(nonce, str) or len(nonce) != 2 * _KEY_BYTES or not nonce.isascii():
+        if not isinstance(nonce, str) or len(nonce) != 2 * _NONCE_BYTES or not nonce.isascii():
             raise self._foreign()
         self._nonces[calls] = nonce
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from graphnav import Place, UserError
 from graphnav.processes.descriptors import is_readable
-from graphnav.processes.host_link import key_of
+from graphnav.processes.host_key import key_of
 
 FROM_STDIN = Path("-")
 """In place of the file of a key: it comes as an order."""

@@ -19,7 +19,8 @@ from graphnav.core.runner import new_run_id
 from graphnav.processes import child
 from graphnav.processes.children import Children, Running
 from graphnav.processes.frames import Frame, Kind, Link
-from graphnav.processes.host_link import HostLink, HostListener, LinkError, Refusal, events_of, key_file, made_key
+from graphnav.processes.host_key import key_file, made_key
+from graphnav.processes.host_link import HostLink, HostListener, LinkError, Refusal, events_of
 from graphnav.processes.host_orders import FROM_STDIN, Orders, waiting
 from graphnav.processes.hosts import SERVICE, fingerprint, port_of
 from graphnav.processes.output_lines import OutputLines

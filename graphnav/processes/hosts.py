@@ -11,7 +11,7 @@ from typing import NamedTuple
 from graphnav import FileFormat, Graph, Record, UserError, did_you_mean, key
 from graphnav.core.graph import resolved_yaml
 from graphnav.core.spec import RunOptions
-from graphnav.processes.host_link import key_file, read_key
+from graphnav.processes.host_key import key_file, read_key
 
 FILE = "hosts.yaml"
 SERVICE = "host of stages"

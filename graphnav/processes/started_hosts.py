@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 from graphnav import GraphnavError, UserError
 from graphnav.core.api import Shared
 from graphnav.processes import ssh
-from graphnav.processes.host_link import new_key
+from graphnav.processes.host_key import new_key
 from graphnav.processes.host_orders import ALIVE, FROM_STDIN, PERIOD_S, is_waiting, orders
 from graphnav.processes.hosts import Host, HostKeys
 from graphnav.processes.output_lines import named_line

@@ -17,7 +17,8 @@ import pytest
 from graphnav import UserError
 from graphnav.processes import host_link
 from graphnav.processes.frames import Frame, Link
-from graphnav.processes.host_link import HostCaller, HostLink, HostListener, LinkError, Refusal, made_key, read_key
+from graphnav.processes.host_key import made_key, read_key
+from graphnav.processes.host_link import HostCaller, HostLink, HostListener, LinkError, Refusal
 
 KEY, OTHER_KEY = b"k" * 32, b"o" * 32
 

@@ -9,7 +9,7 @@ import pytest
 
 from graphnav import UserError
 from graphnav.processes import host_orders
-from graphnav.processes.host_link import new_key
+from graphnav.processes.host_key import new_key
 from graphnav.processes.host_orders import ALIVE, Orders, is_waiting, orders, waiting
 
 

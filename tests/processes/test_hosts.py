@@ -22,7 +22,8 @@ from graphnav.core.graph import Graph
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome, run_recorded
 from graphnav.processes.frames import Frame, Kind
-from graphnav.processes.host_link import HostListener, made_key
+from graphnav.processes.host_key import made_key
+from graphnav.processes.host_link import HostListener
 from graphnav.processes.host_share import HostedProcess, HostShare, serve_host
 from graphnav.processes.hosts import FILE, SERVICE, hosts_of
 from graphnav.processes.run import run_processes

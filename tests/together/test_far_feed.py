@@ -19,7 +19,8 @@ from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.develop.completion.complete import other_computers
 from graphnav.processes.frames import Frame, Link
-from graphnav.processes.host_link import VERSION, HostListener, key_file, made_key
+from graphnav.processes.host_key import key_file, made_key
+from graphnav.processes.host_link import VERSION, HostListener
 from graphnav.processes.hosts import SERVICE as STAGES
 from graphnav.processes.tunnel.choice import Choice, Chosen
 from graphnav.processes.tunnel.end import Ways

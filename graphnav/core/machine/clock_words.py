@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 NOTABLE_OFFSET_S = 0.2
-"""A smaller offset is no more than a delay of transport."""
+"""A smaller offset may be a delay of transport."""
 SET_ALIKE = "set the clocks of all machines alike, by chrony or PTP"
 _DAY_S = 86_400.0
 

@@ -134,7 +134,8 @@ def _check(args: CommandArguments) -> None:
 
 def _listener(args: CommandArguments) -> HostListener:
     """Return what listens; raise UserError where the key or the port is refused."""
-    from graphnav.processes.host_link import HostListener, key_file, made_key
+    from graphnav.processes.host_key import key_file, made_key
+    from graphnav.processes.host_link import HostListener
     from graphnav.processes.tunnel.tunnel import MAX_LINKS, SERVICE
 
     path = key_file(args.key)
@@ -152,7 +153,8 @@ def _listener(args: CommandArguments) -> HostListener:
 
 def _caller(args: CommandArguments) -> HostCaller:
     """Return what calls; raise UserError where the key is missing."""
-    from graphnav.processes.host_link import HostCaller, key_file, read_key
+    from graphnav.processes.host_key import key_file, read_key
+    from graphnav.processes.host_link import HostCaller
     from graphnav.processes.tunnel.tunnel import SERVICE
 
     return HostCaller(args.host, args.port, read_key(key_file(args.key)), SERVICE)
@@ -202,7 +204,8 @@ def _say(line: str) -> None:
 
 def _final(error: LinkError, args: CommandArguments) -> UserError:
     """Return what to do about a refusal that time does not change."""
-    from graphnav.processes.host_link import Refusal, key_file
+    from graphnav.processes.host_key import key_file
+    from graphnav.processes.host_link import Refusal
     from graphnav.processes.tunnel.tunnel import refusal
 
     hint = {

@@ -9,7 +9,8 @@ from collections.abc import Callable, Collection
 from graphnav import UserError
 from graphnav.core.cli import counted
 from graphnav.core.graph import RESERVED
-from graphnav.processes.host_link import HostCaller, LinkError, key_file, read_key
+from graphnav.processes.host_key import key_file, read_key
+from graphnav.processes.host_link import HostCaller, LinkError
 from graphnav.processes.hosts import named_here
 from graphnav.processes.tunnel import PORT
 from graphnav.processes.tunnel.choice import Choice, Chosen

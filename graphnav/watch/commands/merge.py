@@ -143,7 +143,6 @@ def _named(args: CommandArguments) -> list[NamedLog]:
 
 
 def _print(merged: Merged) -> None:
-    from graphnav.core.errors import shown_name
     from graphnav.core.runner import size_text
     from graphnav.core.tables import Table, print_folded
 
@@ -154,16 +153,7 @@ def _print(merged: Merged) -> None:
     )
     for log in others:
         print("\n".join(_lines(log, first.name)))
-    rows = [
-        (
-            f"{by}  {shown_name(way[0])}",
-            f"{log.name}  {shown_name(way[1])}",
-            *way[2:],
-        )
-        for log in others
-        for by in [log.measured_by]
-        for way in _way_rows(log)
-    ]
+    rows = [row for log in others for row in _way_rows(log)]
     if rows:
         print_folded(Table.plain(("channel", "and", "sent by", "messages", "min", "median", "max"), rows))
 
@@ -171,17 +161,23 @@ def _print(merged: Merged) -> None:
 def _way_rows(log: MergedLog) -> Iterator[tuple[str, ...]]:
     import numpy as np
 
+    from graphnav.core.errors import shown_name
+
     for way in log.ways:
-        sender = {1: log.measured_by or "", -1: log.name, 0: "?"}[way.way]
+        assert log.measured_by is not None, "it shares messages with that log"
+        sender = {1: log.measured_by, -1: log.name, 0: "?"}[way.way]
+        ends = f"{log.measured_by}  {shown_name(way.channel)}", f"{log.name}  {shown_name(way.other_channel)}"
         took_ms = [f"{value / 1e3:.1f} ms" for value in np.quantile(way.took_us, (0.0, 0.5, 1.0))]
-        yield way.channel, way.other_channel, sender, f"{len(way.took_us):,}", *took_ms
+        yield *ends, sender, f"{len(way.took_us):,}", *took_ms
 
 
 def _lines(log: MergedLog, first: str) -> Iterator[str]:
     """Yield what is known of a log's clock, and its channels with new names."""
+    from graphnav.core.machine import side_text
+
     offset = log.offset
-    side = "ahead of" if log.ahead_us >= 0 else "behind"
-    words = [f"{log.name}: its clock is {abs(log.ahead_us) / 1e6:.6f} s {side} that of {first}", *_error(log)]
+    far = f"{abs(log.ahead_us) / 1e6:.6f} s {side_text(log.ahead_us)}"
+    words = [f"{log.name}: its clock is {far} that of {first}", *_error(log)]
     if offset.drift_error is not None and not offset.drift:
         words.append(f"drift below {offset.drift_error * 1e6:.1f} ppm")
     elif offset.drift_error is not None:

@@ -367,5 +367,6 @@ def _left_out(part: _Part) -> str:
         return ""
     kept = "those of inputs and sources" if option == "replayable" else "the first of each channel"
     return (
-        f"{part.given.path} keeps messages of {Recording.SMALL_BYTES} bytes and more only as {kept} (record: {option})"
+        f"{part.given.path} keeps of messages from {Recording.SMALL_BYTES} bytes on only {kept} (record: {option})\n"
+        "  to follow pictures from one host to the other, run with --set run.record=all"
     )
