@@ -71,6 +71,7 @@ from .core.grid import (
     coarsen as coarsen,
 )
 from .core.hooks import hookimpl as hookimpl
+from .core.machine.extras import import_extra as import_extra
 from .core.machine.files import read_regular as read_regular
 from .core.machine.files import written_aside as written_aside
 from .core.messages import (

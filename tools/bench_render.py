@@ -13,7 +13,7 @@ from graphnav_world.geometry.scene import Body, Faces, faces_of
 from graphnav_world.rendering.atlas import Atlas, floor_texels
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.placed_faces import Placed
-from graphnav_world.rendering.render import Frame, Renderer
+from graphnav_world.rendering.render import Film, Frame, Renderer
 from graphnav_world.rendering.textures import Texture
 from taking_turns import Ratio, take_turns, timed
 
@@ -57,12 +57,12 @@ def measure(cols: int, rows: int, rounds: int = 60) -> RenderCost:
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     camera, faces, renderer = _world(cols, rows)
-    rng = np.random.default_rng(0)
+    film = Film(noise_sigma_gray=2.0, rng=np.random.default_rng(0))
 
     def frame(x_m: float) -> Frame:
         then = Placed.at(camera, faces, x_m - 0.03, 0.0, -0.02)
         now = Placed.at(camera, faces, x_m, 0.0, 0.0)
-        made = renderer.render(now, then, noise_sigma_gray=2.0, rng=rng)
+        made = renderer.render(now, then, film=film)
         _ = made.depth_m, made.obstacle, made.flow_px  # computed where asked for
         return made
 

@@ -35,7 +35,7 @@ from graphnav.core.stage import FormerNames, Port, Role, Source, Stage, metrics_
 from graphnav.core.trust import Trust, read_plugin
 
 GROUP = "graphnav"
-"""Entry point group: the name of an entry point is a family, its value a module with hooks."""
+"""Entry point group: the name of an entry point is a family, or ``family.part``, its value a module with hooks."""
 
 ADAPTERS = "adapters"
 """Reserved family of packages that provide adapters, which any graph with inputs or outputs may use."""
@@ -44,6 +44,11 @@ OWN = "graphnav"
 """The distribution whose families come with graphnav."""
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
+
+
+def family_of(point: EntryPoint) -> str:
+    """Return the family of a package: a distribution with several packages of one family names them ``family.part``."""
+    return point.name.partition(".")[0]
 
 
 class Catalog:
@@ -61,10 +66,10 @@ class Catalog:
         self._origins: dict[str, str] = {}
         self._files: dict[str, list[str]] = {}
         self._loaded: set[str] = set()
-        self._registered: set[tuple[str, str]] = set()
+        self._registered: set[str] = set()
         self._adapters: Adapters | None = None
         for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
-            self._entry_points.setdefault(point.name, []).append(point)
+            self._entry_points.setdefault(family_of(point), []).append(point)
 
     @property
     def hook(self) -> pluggy.HookRelay:
@@ -243,11 +248,12 @@ class Catalog:
         return family
 
     def _register(self, family: str, module: ModuleType, origin: str) -> None:
-        if (family, origin) in self._registered:
+        key = f"{family}: {origin}, {module.__name__}"
+        if key in self._registered:
             return
         if not self._plugins.is_registered(module):
             try:
-                self._plugins.register(module, name=f"{family}: {origin}")
+                self._plugins.register(module, name=key)
                 self._plugins.check_pending()
             except pluggy.PluginValidationError as error:
                 raise CatalogError(f"{origin}: {message_line(error)}") from error
@@ -261,7 +267,7 @@ class Catalog:
                 raise CatalogError(f"'{use}' comes from {self._origins[use]} and from {origin}", "remove or rename one")
             self._origins[use] = origin
         self._stages.setdefault(family, {}).update(stages)
-        self._registered.add((family, origin))
+        self._registered.add(key)
 
     def _stages_of(self, module: ModuleType, origin: str) -> list[type[Stage]]:
         others: list[Any] = [plugin for plugin in self._plugins.get_plugins() if plugin is not module]

@@ -7,7 +7,7 @@ from bisect import bisect_left
 
 from graphnav import Latest, Twist
 from graphnav_world.delay_line import DelayLine
-from graphnav_world.vehicle import SUBSTEP_S, Pose, Vehicle
+from graphnav_world.vehicle import SUBSTEP_S, Base, Pose
 
 STANDSTILL = Twist(v_mps=0.0, omega_radps=0.0)
 _SUBSTEP_US = round(SUBSTEP_S * 1e6)
@@ -19,7 +19,7 @@ class Drive:
     Everything that a command does it does ``latency_s`` later. Times are microseconds from the start.
     """
 
-    def __init__(self, vehicle: Vehicle, timeout_s: float, latency_s: float = 0.0) -> None:
+    def __init__(self, vehicle: Base, timeout_s: float, latency_s: float = 0.0) -> None:
         self._vehicle, self._timeout_s = vehicle, timeout_s
         self._heard: DelayLine[Latest[Twist]] = DelayLine(round(1e6 * latency_s))
         self._twist, self._expires_us = STANDSTILL, 0

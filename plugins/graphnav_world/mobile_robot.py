@@ -12,7 +12,7 @@ from graphnav import BaseLimits, Goal, param
 from graphnav_world.odometry import OdometryErrors
 from graphnav_world.simulation import Simulation
 from graphnav_world.slip import Slip
-from graphnav_world.vehicle import Limits, Pose, Vehicle
+from graphnav_world.vehicle import Base, Limits, Pose, Vehicle
 
 ODOMETRY, SLIP, DRIFT, BEACON, BEARING, DISTANCE = 2, 20, 21, 22, 23, 24
 """Parts of the seeds: each drawing has a generator of its own."""
@@ -95,13 +95,12 @@ class MobileRobot(Simulation):
     def reset(self, seed: int) -> None:
         """Draw the map, its textures and all errors, and put the robot at the start."""
         super().reset(seed)
-        draw = self._draw
         limits = Limits(self.max_speed_mps, self.max_turn_radps, self.speed_up_s, self.turn_up_s)
         slip = None
         if self.slip_ratio:
             rng = np.random.default_rng([seed, SLIP])
-            slip = Slip(rng, self.slip_ratio, self.slip_correlation_s, draw.start)
-        self._vehicle = Vehicle(draw.bodies, draw.start, self._radius_m, limits, slip, self.robot_size_m)
+            slip = Slip(rng, self.slip_ratio, self.slip_correlation_s, self._draw.start)
+        self._vehicle = self._new_base(limits, slip)
         self._faces = self._faces.moved_by(self._vehicle.movers)
         self._errors = OdometryErrors(
             np.random.default_rng([seed, ODOMETRY]),
@@ -115,6 +114,10 @@ class MobileRobot(Simulation):
             drawn_sign((seed, BEARING)) * math.radians(self.goal_bearing_bias_deg),
             1 + drawn_sign((seed, DISTANCE)) * self.goal_distance_ratio,
         )
+
+    def _new_base(self, limits: Limits, slip: Slip | None) -> Base:
+        """Return the base, at the start of the map."""
+        return Vehicle(self._draw.bodies, self._draw.start, self._radius_m, limits, slip, self.robot_size_m)
 
     def _base_limits(self) -> BaseLimits:
         """Return what the drive can do: what `Vehicle` keeps of every command, and slip only shortens its way."""

@@ -5,24 +5,25 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 from graphnav import Image, Map, ParamError, Source, State, Truth, param
+from graphnav.arrays import Bytes, Floats
 from graphnav_world.brightness import ExposureSteps, Swing
 from graphnav_world.camera_motion import CameraMotion, Shake
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import unshaded
 from graphnav_world.maps.world_map import WorldMap, load_map
-from graphnav_world.painted_world import painted_world
+from graphnav_world.painted_world import PaintedWorld, painted_world
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.exposure import moments
 from graphnav_world.rendering.lighting import Lighting, Lights
 from graphnav_world.rendering.mip import level_count
 from graphnav_world.rendering.neutral import NeutralTexture
 from graphnav_world.rendering.placed_faces import Placed
-from graphnav_world.rendering.render import Frame, Renderer
+from graphnav_world.rendering.render import Film, Renderer
 from graphnav_world.rendering.shadows import Caster, Shadows
 from graphnav_world.rendering.textures import Texture
 from graphnav_world.vehicle import Pose
@@ -30,6 +31,30 @@ from graphnav_world.vehicle import Pose
 _OF_PICTURE = ("image",)
 _OF_CAMERA = ("image", "truth")
 """The map tells what the camera sees, too: `Map.footprint_m` is for drawings and scores, and no drive reads it."""
+
+
+class AnyFrame(Protocol):
+    """A picture and its ground truth, whatever renders them."""
+
+    @property
+    def pixels(self) -> Bytes:
+        """The picture, uint8 (rows, cols), gray."""
+        ...
+
+    @property
+    def obstacle(self) -> Bytes:
+        """Where a body is seen: uint8 (rows, cols), 1 there."""
+        ...
+
+    @property
+    def depth_m(self) -> Floats:
+        """Depth along the optical axis, float32 (rows, cols), infinite above the horizon."""
+        ...
+
+    @property
+    def flow_px(self) -> Floats | None:
+        """Displacement of every pixel's surface point, right and down, float32 (rows, cols, 2); None at first."""
+        ...
 
 
 class Simulation(Source):
@@ -190,19 +215,23 @@ class Simulation(Source):
         levels = level_count(shake.farthest(self._camera))
         painted = painted_world(loaded, seed, self.contrast_ratio, levels)
         self._faces = unshaded(painted.faces) if self.neutral else painted.faces
+        self._paint(painted, seed)
+        self._swing = Swing(self.light_swing_ratio, self.light_period_s)
+        steps_rng = np.random.default_rng([seed, 12])
+        self._exposure_steps = ExposureSteps(self.exposure_step_ratio, self.exposure_step_s, steps_rng)
+        self._has_truth = self.is_read("truth") if self.truth is None else self.truth
+
+    def _paint(self, painted: PaintedWorld, seed: int) -> None:
+        """Prepare to render."""
         self._renderer = Renderer(
             self._camera,
             self._faces,
             painted.atlas,
             painted.floor_origin_m,
             lighting=self._lighting(np.random.default_rng([seed, 13])),
-            neutral=self._neutral(draw.textures["floor"], seed) if self.neutral else None,
+            neutral=self._neutral(self._draw.textures["floor"], seed) if self.neutral else None,
         )
-        self._swing = Swing(self.light_swing_ratio, self.light_period_s)
-        steps_rng = np.random.default_rng([seed, 12])
-        self._exposure_steps = ExposureSteps(self.exposure_step_ratio, self.exposure_step_s, steps_rng)
         self._before: Placed | None = None
-        self._has_truth = self.is_read("truth") if self.truth is None else self.truth
 
     def _load(self, seed: int, run_seed: int | None = None) -> WorldMap:
         if not self.map.is_file():
@@ -232,22 +261,24 @@ class Simulation(Source):
         ``interval_us``: since the last frame.
         """
         camera = self._camera_motion.at(time_s)
-        now = Placed.at(camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
         varying = self._swing.at(time_s) * self._exposure_steps.at(time_s)
+        film = Film(
+            self.light_ratio * self._draw.light_ratio * varying,
+            self.noise_sigma_gray * self._draw.noise_ratio,
+            self._noise,
+        )
+        frame = self._frame(camera, pose, time_s, film)
+        return Image(pixels=frame.pixels), _truth(frame, interval_us)
+
+    def _frame(self, camera: Camera, pose: Pose, time_s: float, film: Film) -> AnyFrame:
+        """Return the frame seen from a pose, with the flow since the last one where the truth is read."""
+        now = Placed.at(camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
         meanwhile = [
             Placed.at(camera, self._faces, x, y, yaw, time_s + after_s)
             for after_s, (x, y, yaw) in moments(pose, self.exposure_s)
         ]
-        frame = self._renderer.render(
-            now,
-            self._before if self._has_truth else None,
-            meanwhile=meanwhile,
-            light=self.light_ratio * self._draw.light_ratio * varying,
-            noise_sigma_gray=self.noise_sigma_gray * self._draw.noise_ratio,
-            rng=self._noise,
-        )
-        self._before = now
-        return Image(pixels=frame.pixels), _truth(frame, interval_us)
+        before, self._before = self._before if self._has_truth else None, now
+        return self._renderer.render(now, before, meanwhile=meanwhile, film=film)
 
     def _at_goal(self, pose: Pose) -> bool:
         goal_m, (x, y) = self._draw.goal_m, self._goal_center_m
@@ -291,7 +322,7 @@ class Simulation(Source):
         )
 
 
-def _truth(frame: Frame, interval_us: int) -> Truth | None:
+def _truth(frame: AnyFrame, interval_us: int) -> Truth | None:
     flow_px = frame.flow_px
     if flow_px is None:
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import pymunk
@@ -44,6 +44,27 @@ class Pose(NamedTuple):
     omega_radps: float
     clearance_m: float
     contact: bool
+
+
+class Base(Protocol):
+    """What drives a robot in a world. The first contact stops it permanently."""
+
+    movers: tuple[Mover, ...]
+    """The bodies that move, in their order."""
+
+    @property
+    def pose(self) -> Pose:
+        """The current pose; its clearance is the minimum during the last `advance`."""
+        ...
+
+    @property
+    def wheels(self) -> Pose:
+        """Pose and speeds as the wheels tell them, which odometry measures."""
+        ...
+
+    def advance(self, v_mps: float, omega_radps: float, until_s: float) -> Pose:
+        """Drive towards a command until a time; return the pose then, or where the first contact was."""
+        ...
 
 
 class Vehicle:
@@ -110,8 +131,8 @@ class Vehicle:
         steps = max(1, math.ceil((until_s - self._time_s) / SUBSTEP_S - 1e-9))
         begin_s, dt_s = self._time_s, (until_s - self._time_s) / steps
         self._clearance_m = self._here_m
-        v_mps = _within(v_mps, self._limits.speed_mps)
-        omega_radps = _within(omega_radps, self._limits.turn_radps)
+        v_mps = within(v_mps, self._limits.speed_mps)
+        omega_radps = within(omega_radps, self._limits.turn_radps)
         for k in range(steps):
             if self._contact:
                 break
@@ -126,9 +147,9 @@ class Vehicle:
         """Drive one step towards speeds within the limits."""
         limits, robot = self._limits, self._robot
         if v_mps != self._v_mps:
-            self._v_mps = _towards(self._v_mps, v_mps, limits.speed_mps * (dt_s / limits.speed_up_s))
+            self._v_mps = towards(self._v_mps, v_mps, limits.speed_mps * (dt_s / limits.speed_up_s))
         if omega_radps != self._omega_radps:
-            self._omega_radps = _towards(self._omega_radps, omega_radps, limits.turn_radps * (dt_s / limits.turn_up_s))
+            self._omega_radps = towards(self._omega_radps, omega_radps, limits.turn_radps * (dt_s / limits.turn_up_s))
             robot.angular_velocity = self._omega_radps
         v, omega = self._v_mps, self._omega_radps
         if self._slip is not None:
@@ -202,10 +223,11 @@ class Vehicle:
         return math.sqrt(min((to_rectangle**2).sum(axis=1).min(), (away**2).sum(axis=2).min()))
 
 
-def _towards(now: float, wanted: float, max_change: float) -> float:
+def towards(now: float, wanted: float, max_change: float) -> float:
     """Return the speed after a step: closer to the wanted one by at most this change."""
     return min(max(wanted, now - max_change), now + max_change)
 
 
-def _within(wanted: float, maximum: float) -> float:
+def within(wanted: float, maximum: float) -> float:
+    """Return the speed nearest to the wanted one that is not faster than the maximum, in either direction."""
     return min(max(wanted, -maximum), maximum)

@@ -10,7 +10,7 @@ from graphnav_world.drive import STANDSTILL
 from graphnav_world.late_motion import LateMotion
 from graphnav_world.mobile_robot import MobileRobot
 from graphnav_world.odometry import displacement
-from graphnav_world.vehicle import Pose, Vehicle
+from graphnav_world.vehicle import Base, Pose
 
 
 class Tick(NamedTuple):
@@ -94,16 +94,8 @@ class WorldOutputs(NamedTuple):
     limits: BaseLimits | None
 
 
-class Pymunk(SingleRate):
-    """A robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
-
-    Each firing drives the period since the last frame with the command sampled then, renders the camera image, and
-    publishes it, with its ground truth if that is read. It ends the run with ``goal`` when the robot's centre is in the
-    map's goal region, and with ``contact`` at the first touch.
-
-    Everything has the stamp of the frame: truth, state and the middle of the exposure. With ``command_latency_s`` a
-    command acts that long after the last frame, which need not be a multiple of the period.
-    """
+class CameraWorld(SingleRate):
+    """A robot that publishes all that it measures with the frame of its camera."""
 
     def step(self, command: Latest[Twist], utime: Stamp) -> WorldOutputs:
         """Drive until now, render, and publish."""
@@ -115,13 +107,25 @@ class Pymunk(SingleRate):
         return outputs
 
 
+class Pymunk(CameraWorld):
+    """A robot with a camera in a world of walls, obstacles and floor, in a pymunk space.
+
+    Each firing drives the period since the last frame with the command sampled then, renders the camera image, and
+    publishes it, with its ground truth if that is read. It ends the run with ``goal`` when the robot's centre is in the
+    map's goal region, and with ``contact`` at the first touch.
+
+    Everything has the stamp of the frame: truth, state and the middle of the exposure. With ``command_latency_s`` a
+    command acts that long after the last frame, which need not be a multiple of the period.
+    """
+
+
 class LateDrive:
     """Drives a vehicle by one command a period, each of which acts ``latency_s`` after the period's beginning.
 
     The time need not be a multiple of the period. Until the first command acts the robot stands.
     """
 
-    def __init__(self, vehicle: Vehicle, latency_s: float) -> None:
+    def __init__(self, vehicle: Base, latency_s: float) -> None:
         self._vehicle = vehicle
         self._commands: DelayLine[Twist] = DelayLine(round(1e6 * latency_s))
         self._twist = STANDSTILL

@@ -51,6 +51,12 @@ class Atlas:
             self._place(k, top, texture.pixels(*size, rng))
             top += heights[k]
 
+    def texels(self, k: int) -> Bytes:
+        """Return texture k at the finest level, uint8 (height, width), without border; its first row has v = 0."""
+        width, height = np.rint(self.period_m[k] / TEXEL_M).astype(int).tolist()
+        left, top = np.rint(self.origin_px[k, 0] + 0.5).astype(int).tolist()
+        return self.pixels[top : top + height, left : left + width]
+
     def _place(self, k: int, top: int, texels: Bytes) -> None:
         left, below = 0, top
         for level in range(self.levels):

@@ -75,6 +75,23 @@ class Frame:
         return face
 
 
+@dataclass(frozen=True)
+class Film:
+    """What makes a picture of gray values: brightness, and noise that ``rng`` draws."""
+
+    light: float = 1.0
+    noise_sigma_gray: float = 0.0
+    rng: np.random.Generator | None = None
+
+    def exposed(self, gray: Floats, views: int = 1) -> Bytes:
+        """Return the picture, uint8, of the sum of the gray values of so many views."""
+        noise, sigma = gray, 0.0
+        if self.noise_sigma_gray and self.rng is not None:
+            noise, sigma = normal_noise(gray.shape, self.rng), self.noise_sigma_gray
+        pixels: Bytes = cv2.addWeighted(gray, self.light / views, noise, sigma, 0.0, dtype=cv2.CV_8U)
+        return pixels
+
+
 class Renderer:
     """Renders one world.
 
@@ -105,23 +122,18 @@ class Renderer:
         before: Placed | None,
         *,
         meanwhile: Sequence[Placed] = (),
-        light: float = 1.0,
-        noise_sigma_gray: float = 0.0,
-        rng: np.random.Generator | None = None,
+        film: Film | None = None,
     ) -> Frame:
         """Return the frame seen from ``now``, with the flow since ``before``.
 
         ``meanwhile``: other camera poses while the shutter was open; the picture is the mean of all, the rest is of
-        ``now`` alone. ``rng`` draws the image noise.
+        ``now`` alone.
         """
         seen = self._zbuffer.find(now)
         gray = self._gray(now, seen)
         for moment in meanwhile:
             gray += self._gray(moment, self._zbuffer.find(moment))
-        noise, sigma = gray, 0.0
-        if noise_sigma_gray and rng is not None:
-            noise, sigma = normal_noise(gray.shape, rng), noise_sigma_gray
-        pixels = cv2.addWeighted(gray, light / (1 + len(meanwhile)), noise, sigma, 0.0, dtype=cv2.CV_8U)
+        pixels = (film or Film()).exposed(gray, 1 + len(meanwhile))
         flow = None if before is None else partial(self._flow.between, now, before, seen)
         return Frame(pixels, seen, self._floor.inverse_depth(now), flow)
 

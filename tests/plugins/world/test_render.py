@@ -13,7 +13,7 @@ from graphnav_world.geometry.scene import Body
 from graphnav_world.rendering import visibility
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.placed_faces import Placed
-from graphnav_world.rendering.render import Frame
+from graphnav_world.rendering.render import Film, Frame
 
 from graphnav.arrays import Bytes, Doubles
 
@@ -200,7 +200,7 @@ def test_noise_has_the_asked_spread_and_comes_from_the_seed(world: Make) -> None
     placed = Placed.at(CAMERA, faces, 0.0, 0.0, 0.0)
     clean = renderer.render(placed, None).pixels.astype(float)
     one, same, other = (
-        renderer.render(placed, None, noise_sigma_gray=5.0, rng=np.random.default_rng(seed)).pixels
+        renderer.render(placed, None, film=Film(noise_sigma_gray=5.0, rng=np.random.default_rng(seed))).pixels
         for seed in (1, 1, 2)
     )
     assert (one == same).all()
@@ -212,7 +212,7 @@ def test_noise_has_the_asked_spread_and_comes_from_the_seed(world: Make) -> None
 def test_light_makes_brighter(world: Make) -> None:
     faces, renderer = world(CAMERA, [])
     placed = Placed.at(CAMERA, faces, 0.0, 0.0, 0.0)
-    dim, normal = (renderer.render(placed, None, light=light).pixels.mean() for light in (0.5, 1.0))
+    dim, normal = (renderer.render(placed, None, film=Film(light)).pixels.mean() for light in (0.5, 1.0))
     assert dim == pytest.approx(normal / 2, rel=0.01)
 
 

@@ -7,18 +7,32 @@ from collections.abc import Collection, Mapping
 from graphnav.core.graph.paths import has_path
 from graphnav.core.spec import Entry, Value
 from graphnav.core.spec.write import write_value
-from graphnav.core.stage import Stage, params_of, ports_of
+from graphnav.core.stage import Source, Stage, params_of, ports_of
 
 
 def kept_params(params: Mapping[str, Entry], old: type[Stage] | None, new: type[Stage]) -> dict[str, Entry]:
-    """Return the parameters that a swap keeps: paths of the same name. A tuned value is not carried over to a rival."""
+    """Return the parameters that a swap keeps: paths of the same name, and of sources what both inherit.
+
+    A tuned value is not carried over to a rival. What two simulators inherit from one base says what world it is, and
+    which robot drives through it: the swapped one simulates the same.
+    """
     before = params_of(old) if old else {}
     after = params_of(new)
     return {
         name: entry
         for name, entry in params.items()
-        if name in before and name in after and has_path(before[name].type) and has_path(after[name].type)
+        if name in before
+        and name in after
+        and (has_path(before[name].type) and has_path(after[name].type) or _inherit_both(name, old, new))
     }
+
+
+def _inherit_both(name: str, old: type[Stage] | None, new: type[Stage]) -> bool:
+    """Whether both are sources that inherit this parameter from one class of sources, which is not `Source` itself."""
+    if old is None or not (issubclass(old, Source) and issubclass(new, Source)):
+        return False
+    common = [cls for cls in old.__mro__ if issubclass(cls, Source) and issubclass(new, cls)]
+    return len(common) > 1 and name in params_of(common[0])
 
 
 def kept_wires(wires: Mapping[str, Entry], old: type[Stage] | None, new: type[Stage]) -> dict[str, Entry]:

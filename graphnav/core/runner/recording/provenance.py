@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav.core.catalog import GROUP
+from graphnav.core.catalog import GROUP, family_of
 from graphnav.core.machine.instruction_set import PORTABLE
 from graphnav.core.machine.pins import OPT_OUT
 from graphnav.core.runner.recording.summary import Summary
@@ -62,7 +62,9 @@ def difference(old: Mapping[str, str], new: Mapping[str, str]) -> Difference | N
 def _files_of(family: str) -> list[Path]:
     """Return the Python files of the packages of a family."""
     files = []
-    for point in entry_points(group=GROUP, name=family):
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        if family_of(point) != family:
+            continue
         spec = find_spec(point.module.partition(".")[0])
         if spec is not None and spec.submodule_search_locations:
             files += [file for folder in spec.submodule_search_locations for file in sorted(Path(folder).rglob("*.py"))]

@@ -1,0 +1,53 @@
+"""MuJoCo and what it draws with: an extra and a system library, found before a run needs them."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import Any
+
+from graphnav import UserError, import_extra
+
+LIBRARIES = {"osmesa": ("libOSMesa.so.8", "libOSMesa.so"), "egl": ("libEGL.so.1",)}
+"""What draws without a window, in the order of preference: OSMesa always computes on the CPU."""
+CHOSEN_BY = "MUJOCO_GL"
+
+
+def load() -> Any:
+    """Return the module of MuJoCo, which draws with what `choose_gl` finds.
+
+    Raises
+    ------
+    UserError
+        MuJoCo or a library to draw with is not installed.
+    """
+    choose_gl()
+    return import_extra("mujoco", "mujoco", "world.mujoco", "MuJoCo")
+
+
+def choose_gl() -> None:
+    """Choose what MuJoCo draws with, unless the environment does; llvmpipe then computes in one thread.
+
+    MuJoCo reads the choice when it is imported.
+
+    Raises
+    ------
+    UserError
+        Neither OSMesa nor EGL is installed.
+    """
+    os.environ.setdefault("LP_NUM_THREADS", "0")
+    if os.environ.get(CHOSEN_BY):
+        return
+    for name, libraries in LIBRARIES.items():
+        if any(_loads(library) for library in libraries):
+            os.environ[CHOSEN_BY] = name
+            return
+    raise UserError.of("world.mujoco needs OSMesa or EGL to draw", "apt install libosmesa6, or libegl1 and its driver")
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True

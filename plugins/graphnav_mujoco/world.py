@@ -1,0 +1,129 @@
+"""The simulated world of `world.pymunk`, drawn and driven by MuJoCo."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from graphnav import ParamError, import_extra, param
+from graphnav.arrays import Bytes
+from graphnav_mujoco import engine
+from graphnav_mujoco.base import TwoWheels, planar_base, positions
+from graphnav_mujoco.eye import Eye, MujocoFrame, Retina, eye_of
+from graphnav_mujoco.model import Chassis, Lights, compile_model
+from graphnav_world.geometry.movers import movers_of
+from graphnav_world.painted_world import PaintedWorld
+from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.exposure import moments
+from graphnav_world.rendering.render import Film
+from graphnav_world.slip import Slip
+from graphnav_world.vehicle import Base, Limits, Pose
+from graphnav_world.world import CameraWorld
+
+
+class Mujoco(CameraWorld):
+    """The world of `world.pymunk`, drawn and driven by MuJoCo: the second simulator, which says what the first decides.
+
+    Maps, camera, seeds and ports are those of `world.pymunk`; the same seed has the same walls, obstacles and textures.
+    OpenGL renders the picture, which has MuJoCo's lights; obstacles, depth and flow of the truth are those of its own
+    segmentation and depth buffer. The robot is a differential drive with inertia that friction moves, of which the
+    camera's mast pitches and rolls with the base.
+
+    The lamp is a spot light that OpenGL computes at the corners of a grid, its glare the gloss of all surfaces, and
+    shadows are those of the sun, cast by all that stands and the robot, with sharp edges.
+
+    A run is the same on the same machine. OSMesa and EGL without a GPU compute alike on most machines, but nothing pins
+    that: a log of another machine may differ.
+    """
+
+    floor: Literal["map", "brick", "grass", "gravel"] = param(
+        "map",
+        doc="what covers the floor: the map's texture, or a photograph of scikit-image, whose contrast is multiplied "
+        "by contrast_ratio",
+        changes=("image",),
+    )
+    photo_m: float = param(1.5, gt=0.05, le=100.0, doc="side of the photograph on the floor", changes=("image",))
+
+    def check(self) -> None:
+        """Read the map, and find MuJoCo, what it draws with, and the photograph.
+
+        Raises
+        ------
+        ParamError
+            The map does not exist, or surfaces are to be neutral.
+        UserError
+            The map is invalid, or what is needed is not installed.
+        """
+        if self.neutral:
+            raise ParamError("neutral", "world.mujoco has no neutral surfaces", "use world.pymunk, or neutral: false")
+        engine.load()
+        if self.floor != "map":
+            _photograph(self.floor)
+        super().check()
+
+    def reset(self, seed: int) -> None:
+        """Draw the map, its textures and all errors, compile the model, and put the robot at the start."""
+        self.close()
+        super().reset(seed)
+
+    def close(self) -> None:
+        """Free what OpenGL holds."""
+        retina: Retina | None = getattr(self, "_retina", None)
+        self._retina = None
+        if retina is not None:
+            retina.close()
+
+    def _paint(self, painted: PaintedWorld, seed: int) -> None:  # noqa: ARG002  # the seed has drawn the textures
+        self._painted = painted
+        self._seen: Eye | None = None
+
+    def _new_base(self, limits: Limits, slip: Slip | None) -> Base:
+        draw, painted = self._draw, self._painted
+        atlas = painted.atlas
+        textures = [atlas.texels(k) for k in range(len(atlas.period_m))]
+        periods_m = [tuple(one) for one in atlas.period_m.tolist()]
+        if self.floor != "map":
+            textures[0], periods_m[0] = _contrasted(_photograph(self.floor), self.contrast_ratio), (self.photo_m,) * 2
+        lights = Lights(self.lamp_ratio, self.glare_ratio, self.shadow_ratio)
+        chassis = Chassis(self._radius_m, self.robot_size_m)
+        model = compile_model(
+            draw.bodies, self._faces, textures, periods_m, painted.floor_origin_m, self._camera, lights, chassis
+        )
+        movers = movers_of(body.course for body in draw.bodies if body.course is not None)
+        self._base = TwoWheels(model, draw.start, movers, limits, chassis, slip)
+        self._retina = Retina(
+            model, self._base.data, self._camera, lights.headroom, has_shadows=bool(self.shadow_ratio)
+        )
+        return self._base
+
+    def _frame(self, camera: Camera, pose: Pose, time_s: float, film: Film) -> MujocoFrame:
+        origin, R_WB = self._base.base
+        now = eye_of(camera, origin, R_WB, positions(self._base.movers, time_s))
+        _, upright = planar_base(pose.x_m, pose.y_m, pose.yaw_rad)
+        lean = upright.T @ R_WB
+        meanwhile = []
+        for after_s, driven in moments(pose, self.exposure_s):
+            at, R_W = planar_base(*driven)
+            at[2] = origin[2]
+            meanwhile.append(eye_of(camera, at, R_W @ lean, positions(self._base.movers, time_s + after_s)))
+        before, self._seen = self._seen, now
+        return self._render(now, before if self._has_truth else None, meanwhile, film)
+
+    def _render(self, now: Eye, before: Eye | None, meanwhile: list[Eye], film: Film) -> MujocoFrame:
+        assert self._retina is not None
+        return self._retina.frame(now, before, meanwhile, film, has_truth=before is not None)
+
+
+def _photograph(name: str) -> Bytes:
+    """Return a photograph of a floor, gray, whose sides are rounded to those of textures."""
+    data = import_extra("skimage.data", "photos", f"floor: {name}", "scikit-image")
+    picture = np.asarray(getattr(data, name)())
+    gray: Bytes = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
+    return np.ascontiguousarray(gray)
+
+
+def _contrasted(gray: Bytes, ratio: float) -> Bytes:
+    mean = float(gray.mean())
+    return np.clip(np.rint(mean + ratio * (gray - mean)), 0, 255).astype(np.uint8)
