@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from graphnav_world.geometry.movers import Mover, Walker
+from graphnav_world.slip import Slip
+from graphnav_world.vehicle import FARTHEST_M, SUBSTEP_S, Limits, Pose, towards, within
 
 from graphnav.arrays import Doubles
 from graphnav_mujoco import engine
 from graphnav_mujoco.model import BODY, TIMESTEP_S, Chassis
-from graphnav_world.geometry.movers import Mover, Walker
-from graphnav_world.slip import Slip
-from graphnav_world.vehicle import FARTHEST_M, SUBSTEP_S, Limits, Pose, towards, within
 
 SETTLE_S = 1.0
 """Before the start the base comes to rest on the springs of its contacts."""

@@ -36,13 +36,31 @@ def choose_gl() -> None:
         Neither OSMesa nor EGL is installed.
     """
     os.environ.setdefault("LP_NUM_THREADS", "0")
-    if os.environ.get(CHOSEN_BY):
+    chosen = os.environ.get(CHOSEN_BY, "").lower().strip()
+    if chosen and chosen not in LIBRARIES:  # a window system, which MuJoCo asks itself
         return
-    for name, libraries in LIBRARIES.items():
-        if any(_loads(library) for library in libraries):
+    for name in (chosen,) if chosen else LIBRARIES:
+        if any(_loads(library) for library in LIBRARIES[name]):
             os.environ[CHOSEN_BY] = name
             return
-    raise UserError.of("world.mujoco needs OSMesa or EGL to draw", "apt install libosmesa6, or libegl1 and its driver")
+    needed = f"what {CHOSEN_BY} names, {chosen}," if chosen else "OSMesa or EGL"
+    raise UserError.of(f"world.mujoco needs {needed} to draw", "apt install libosmesa6, or libegl1 libegl-mesa0")
+
+
+def new_context(cols: int, rows: int) -> Any:
+    """Return a context of OpenGL that draws into a buffer.
+
+    Raises
+    ------
+    UserError
+        The library has no driver that draws.
+    """
+    mujoco = load()
+    try:
+        return mujoco.GLContext(cols, rows)
+    except (RuntimeError, ImportError, AttributeError) as error:
+        what = f"world.mujoco cannot draw by {os.environ.get(CHOSEN_BY)}: {error}"
+        raise UserError.of(what, f"apt install libosmesa6, and set {CHOSEN_BY}=osmesa") from error
 
 
 def _loads(library: str) -> bool:

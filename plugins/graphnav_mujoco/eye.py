@@ -9,12 +9,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from graphnav_world.geometry.scene import SUN_W
+from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.render import Film
 
 from graphnav.arrays import Bools, Bytes, Doubles, Floats, Ints
 from graphnav_mujoco import engine
-from graphnav_mujoco.model import BODY, FAR_M, HULL_GROUP, NEAR_M
-from graphnav_world.rendering.camera import Camera
-from graphnav_world.rendering.render import Film
+from graphnav_mujoco.model import BODY, FAR_M, HULL_GROUP, NEAR_M, SUN_M
 
 _GL_FROM_C = np.array([1.0, -1.0, -1.0])
 """OpenGL's cameras have y up and look along -z."""
@@ -107,7 +108,7 @@ class Retina:
         self._mujoco = mujoco = engine.load()
         self._model, self._data, self._headroom = model, data, headroom
         self._size = camera.rows, camera.cols
-        self._gl = mujoco.GLContext(camera.cols, camera.rows)
+        self._gl = engine.new_context(camera.cols, camera.rows)
         self._gl.make_current()
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
@@ -152,6 +153,7 @@ class Retina:
         mujoco, data = self._mujoco, self._data
         data.cam_xpos[0] = eye.center_W
         data.cam_xmat[0] = (eye.R_WC * _GL_FROM_C).reshape(-1)
+        data.light_xpos[0] = eye.center_W + SUN_M * SUN_W
         if self._model.nlight > 1:
             data.light_xpos[1], data.light_xdir[1] = eye.center_W, eye.R_WC[:, 2]
         for geom in np.flatnonzero(self._mover_of_geom >= 0):

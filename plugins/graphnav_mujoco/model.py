@@ -10,11 +10,11 @@ from xml.etree import ElementTree
 
 import cv2
 import numpy as np
-
-from graphnav.arrays import Bytes, Doubles, Ints
-from graphnav_mujoco import engine
 from graphnav_world.geometry.scene import AMBIENT, SUN_W, Body, Faces
 from graphnav_world.rendering.camera import Camera
+
+from graphnav.arrays import Bytes, Doubles, Indices
+from graphnav_mujoco import engine
 
 FLOOR, BODY, ROBOT = range(3)
 """What a geom is, in `user`; that of a moving body is BODY, too."""
@@ -26,8 +26,12 @@ FLOOR_HALF_M, NEAR_M, FAR_M = 300.0, 0.02, 400.0
 FLOOR_CELL_M = 0.25
 """OpenGL lights the corners of polygons: with a lamp the floor consists of squares of this size, as far as it shines."""
 LAMP_HALF_M = 8.0
+SUN_M = 8.0
+"""Distance of the sun from the camera, around which shadows are drawn."""
 SHININESS = 1.0
 """MuJoCo's 1.0 is OpenGL's exponent of 128, that of `Lighting` is 150."""
+WHITE_RATIO = 2.0
+"""OpenGL multiplies the reflection, too, by the texture, which is about half as bright as white."""
 TIMESTEP_S = 0.002
 
 
@@ -45,7 +49,7 @@ class Lights:
     @property
     def headroom(self) -> float:
         """How much darker than it is the light is drawn."""
-        return 2.0 if self.lamp else 1.0
+        return 3.0 if self.glare else 2.0 if self.lamp else 1.0
 
 
 @dataclass(frozen=True)
@@ -97,9 +101,10 @@ def compile_model(
     _add(root, "statistic", extent=1, meansize=0.1, center="0 0 0")
     visual = _add(root, "visual")
     _add(visual, "global", offwidth=camera.cols, offheight=camera.rows)
-    _add(visual, "quality", offsamples=0, shadowsize=1024 if lights.shadow else 0)
-    _add(visual, "headlight", active=0)
-    _add(visual, "map", znear=NEAR_M, zfar=FAR_M, shadowclip=8)
+    _add(visual, "quality", offsamples=0, shadowsize=2048 if lights.shadow else 0)
+    black = _gray(0.0)
+    _add(visual, "headlight", active=1, ambient=_gray(_sun(lights)[0]), diffuse=black, specular=black)
+    _add(visual, "map", znear=NEAR_M, zfar=FAR_M, shadowclip=SUN_M)
     assets, world = _add(root, "asset"), _add(root, "worldbody")
     _add(assets, "texture", name="sky", type="skybox", builtin="flat", width=4, height=24, rgb1="1 1 1", rgb2="1 1 1")
     for k, texels in enumerate(textures):
@@ -132,7 +137,7 @@ def _text(value: object) -> str:
 
 
 def _add_mesh(
-    assets: ElementTree.Element, name: str, corners: Doubles, normals: Doubles, uv: Doubles, triangles: Ints
+    assets: ElementTree.Element, name: str, corners: Doubles, normals: Doubles, uv: Doubles, triangles: Indices
 ) -> None:
     """Add what is drawn; MuJoCo counts v of a texture from its last row."""
     _add(
@@ -160,13 +165,13 @@ def _add_floor(
     begin = np.floor((corners[:, :2].min(axis=0) - origin_m) / period_m)
     uv = (corners[:, :2] - origin_m) / period_m - begin - np.round(FLOOR_HALF_M / period_m)
     k, side = np.arange(len(corners)).reshape(x.shape), slice(None, -1)
-    quads = np.stack([k[side, side], k[side, 1:], k[1:, 1:], k[1:, side]], axis=-1).reshape(-1, 4)
+    quads: Indices = np.stack([k[side, side], k[side, 1:], k[1:, 1:], k[1:, side]], axis=-1).reshape(-1, 4)
     normals = np.tile([0.0, 0.0, 1.0], (len(corners), 1))
     _add_mesh(assets, "floor", corners, normals, uv, _triangles(quads))
     _add(world, "geom", name="shown_floor", type="mesh", mesh="floor", material="m0", user=FLOOR, **_SHOWN)
     _add(
         world, "geom", name="floor", type="plane", size="0 0 1", group=HULL_GROUP, contype=0, conaffinity=FLOOR_BIT,
-        friction="1 0.005 0.0001", user=FLOOR,
+        condim=1, friction="0 0 0", user=FLOOR,
     )  # fmt: skip
 
 
@@ -174,15 +179,11 @@ _SHOWN: dict[str, object] = {"contype": 0, "conaffinity": 0, "group": SHOWN_GROU
 
 
 def _add_lights(world: ElementTree.Element, camera: Camera, lights: Lights) -> None:
-    """Add the sun, as bright on the floor as in `shade`, the rest of its light, and the lamp at the camera."""
-    per_floor = (1 - lights.lamp) / lights.headroom / (AMBIENT + (1 - AMBIENT) * float(SUN_W[2]))
-    # what shadows take is the sun's own light: with them it is as strong as they say
-    sun = max(lights.shadow / float(SUN_W[2]), 1 - AMBIENT) if lights.shadow else 1 - AMBIENT
-    total = AMBIENT + (1 - AMBIENT) * float(SUN_W[2])
-    ambient = total - sun * float(SUN_W[2])
+    """Add the sun, as bright on the floor as in `shade`, and the lamp at the camera."""
+    _, sun = _sun(lights)
     _add(
-        world, "light", name="sun", directional="true", pos=(20 * SUN_W), dir=-SUN_W, castshadow=_flag(lights.shadow),
-        ambient=_gray(ambient * per_floor), diffuse=_gray(sun * per_floor), specular="0 0 0",
+        world, "light", name="sun", directional="true", pos=SUN_M * SUN_W, dir=-SUN_W, castshadow=_flag(lights.shadow),
+        ambient="0 0 0", diffuse=_gray(sun), specular="0 0 0",
     )  # fmt: skip
     if not (lights.lamp or lights.glare):
         return
@@ -195,8 +196,19 @@ def _add_lights(world: ElementTree.Element, camera: Camera, lights: Lights) -> N
     _add(
         world, "light", name="lamp", pos="0 0 1", dir="0 0 -1", castshadow="false", cutoff=90, exponent=1,
         attenuation="0 0 1", ambient="0 0 0", diffuse=_gray(lights.lamp / mean / lights.headroom),
-        specular=_gray(lights.glare * camera.height_m**2 / lights.headroom),
+        specular=_gray(WHITE_RATIO * lights.glare * camera.height_m**2 / lights.headroom),
     )  # fmt: skip
+
+
+def _sun(lights: Lights) -> tuple[float, float]:
+    """Return the ambient light and the sun's, together 1 on the floor without a lamp.
+
+    With shadows the sun's share is what they take.
+    """
+    on_floor = AMBIENT + (1 - AMBIENT) * float(SUN_W[2])
+    share = lights.shadow or (1 - AMBIENT) * float(SUN_W[2]) / on_floor
+    scale = (1 - lights.lamp) / lights.headroom
+    return (1 - share) * scale, share / float(SUN_W[2]) * scale
 
 
 def _flag(value: float) -> str:
@@ -224,7 +236,7 @@ def _add_surface(
     parent: ElementTree.Element,
     name: str,
     faces: Faces,
-    prims: Ints,
+    prims: Indices,
     periods_m: Doubles,
 ) -> None:
     """Add quads of one texture, each corner with the coordinates in the texture that `BodyTexture` looks up."""
@@ -242,9 +254,9 @@ def _add_surface(
     _add(parent, "geom", name=name, type="mesh", mesh=name, material=f"m{texture}", user=BODY, **_SHOWN)
 
 
-def _triangles(quads: Ints) -> Ints:
+def _triangles(quads: Indices) -> Indices:
     """Return quads, (n, 4) counterclockwise, as triangles, (2 n, 3)."""
-    halves: Ints = quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    halves: Indices = quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
     return halves
 
 
@@ -298,14 +310,12 @@ def _add_robot(
     if chassis.size_m is None:
         _add(base, "geom", name="hull", type="cylinder", size=(chassis.radius_m, half_m), pos=(0, 0, half_m), **hull)
     else:
-        size = (chassis.size_m[0] / 2, chassis.size_m[1] / 2, half_m)
-        _add(base, "geom", name="hull", type="box", size=size, pos=(0, 0, half_m), **hull)
-    if casts_shadow:  # invisible from the camera, which stands above it: a mast as high as the camera
-        top = 0.9 * camera.height_m / 2
-        _add(
-            base, "geom", name="mast", type="cylinder", size=(chassis.radius_m, top), pos=(0, 0, top),
-            user=ROBOT, **_SHOWN,
-        )  # fmt: skip
+        length, width = chassis.size_m
+        _add(base, "geom", name="hull", type="box", size=(length / 2, width / 2, half_m), pos=(0, 0, half_m), **hull)
+    if casts_shadow:  # above the camera, which looks down and does not see it
+        pos = (0, 0, 1.1 * camera.height_m)
+        size = (chassis.radius_m, 0.02 * camera.height_m)
+        _add(base, "geom", name="roof", type="cylinder", size=size, pos=pos, user=ROBOT, **_SHOWN)
     rolls: dict[str, object] = {"contype": FLOOR_BIT, "conaffinity": 0, "group": HULL_GROUP, "user": ROBOT}
     caster = 0.15 * inner
     _add(
@@ -318,7 +328,7 @@ def _add_robot(
         _add(carrier, "joint", name=side, type="hinge", axis="0 1 0", armature=1e-4 * mass)
         _add(
             carrier, "geom", name=f"{side}_wheel", type="ellipsoid", size=(wheel, 0.15 * wheel, wheel),
-            mass=wheel_kg, friction="1 0.005 0.0001", condim=4, **rolls,
+            mass=wheel_kg, friction=(1, 0.02 * wheel, 0.0001), condim=4, **rolls,
         )  # fmt: skip
         # the speed follows with a time constant of 20 ms
         _add(actuators, "velocity", name=side, joint=side, kv=mass * wheel**2 / 2 / 0.02)

@@ -6,13 +6,6 @@ from typing import Literal
 
 import cv2
 import numpy as np
-
-from graphnav import ParamError, import_extra, param
-from graphnav.arrays import Bytes
-from graphnav_mujoco import engine
-from graphnav_mujoco.base import TwoWheels, planar_base, positions
-from graphnav_mujoco.eye import Eye, MujocoFrame, Retina, eye_of
-from graphnav_mujoco.model import Chassis, Lights, compile_model
 from graphnav_world.geometry.movers import movers_of
 from graphnav_world.painted_world import PaintedWorld
 from graphnav_world.rendering.camera import Camera
@@ -21,6 +14,13 @@ from graphnav_world.rendering.render import Film
 from graphnav_world.slip import Slip
 from graphnav_world.vehicle import Base, Limits, Pose
 from graphnav_world.world import CameraWorld
+
+from graphnav import ParamError, import_extra, param
+from graphnav.arrays import Bytes
+from graphnav_mujoco import engine
+from graphnav_mujoco.base import TwoWheels, planar_base, positions
+from graphnav_mujoco.eye import Eye, MujocoFrame, Retina, eye_of
+from graphnav_mujoco.model import Chassis, Lights, compile_model
 
 
 class Mujoco(CameraWorld):
@@ -71,9 +71,9 @@ class Mujoco(CameraWorld):
     def close(self) -> None:
         """Free what OpenGL holds."""
         retina: Retina | None = getattr(self, "_retina", None)
-        self._retina = None
         if retina is not None:
             retina.close()
+        self._retina: Retina | None = None
 
     def _paint(self, painted: PaintedWorld, seed: int) -> None:  # noqa: ARG002  # the seed has drawn the textures
         self._painted = painted
@@ -117,7 +117,7 @@ class Mujoco(CameraWorld):
 
 
 def _photograph(name: str) -> Bytes:
-    """Return a photograph of a floor, gray, whose sides are rounded to those of textures."""
+    """Return a photograph of a floor, gray, uint8 (height, width)."""
     data = import_extra("skimage.data", "photos", f"floor: {name}", "scikit-image")
     picture = np.asarray(getattr(data, name)())
     gray: Bytes = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
@@ -126,4 +126,5 @@ def _photograph(name: str) -> Bytes:
 
 def _contrasted(gray: Bytes, ratio: float) -> Bytes:
     mean = float(gray.mean())
-    return np.clip(np.rint(mean + ratio * (gray - mean)), 0, 255).astype(np.uint8)
+    contrasted: Bytes = np.clip(np.rint(mean + ratio * (gray - mean)), 0, 255).astype(np.uint8)
+    return contrasted

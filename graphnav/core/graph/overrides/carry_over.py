@@ -23,7 +23,7 @@ def kept_params(params: Mapping[str, Entry], old: type[Stage] | None, new: type[
         for name, entry in params.items()
         if name in before
         and name in after
-        and (has_path(before[name].type) and has_path(after[name].type) or _inherit_both(name, old, new))
+        and ((has_path(before[name].type) and has_path(after[name].type)) or _inherit_both(name, old, new))
     }
 
 
