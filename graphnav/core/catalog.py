@@ -248,7 +248,7 @@ class Catalog:
         return family
 
     def _register(self, family: str, module: ModuleType, origin: str) -> None:
-        key = f"{family}: {origin}, {module.__name__}"
+        key = f"{family}, {module.__name__}: {origin}"
         if key in self._registered:
             return
         if not self._plugins.is_registered(module):

@@ -62,6 +62,8 @@ class TwoWheels:
         self.data.qvel[:] = 0.0
         mujoco.mj_forward(model, self.data)
         self._rest_z_m = float(self.data.qpos[2])
+        # at rest the contacts give way by different lengths: what leans then is the zero of the mast
+        self._upright_R: Doubles = self._axes().T @ planar_base(x, y, self._yaw())[1]
         self._wheels = (x, y, yaw)
         self._here_m = self._clearance_m = self._find_nearest_m()
 
@@ -70,13 +72,21 @@ class TwoWheels:
         """The base's frame: its origin in W, at rest on the floor, and its axes, which pitch and roll."""
         body = self._model.body("base").id
         origin = self.data.xpos[body] - (0.0, 0.0, self._rest_z_m)
-        return origin, self.data.xmat[body].reshape(3, 3).copy()
+        return origin, self._axes() @ self._upright_R
+
+    def _axes(self) -> Doubles:
+        axes: Doubles = self.data.xmat[self._model.body("base").id].reshape(3, 3)
+        return axes
+
+    def _yaw(self) -> float:
+        axes = self._axes()
+        return math.atan2(axes[1, 0], axes[0, 0])
 
     @property
     def pose(self) -> Pose:
         """The current pose; its clearance is the minimum during the last `advance`."""
-        origin, R_WB = self.base
-        yaw = math.atan2(R_WB[1, 0], R_WB[0, 0])
+        origin, _ = self.base
+        yaw = self._yaw()
         v_x, v_y = self.data.qvel[:2].tolist()
         v = v_x * math.cos(yaw) + v_y * math.sin(yaw)
         return Pose(float(origin[0]), float(origin[1]), yaw, v, float(self.data.qvel[5]), self._clear_m, self._contact)

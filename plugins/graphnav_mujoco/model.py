@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import cv2
 import numpy as np
@@ -24,7 +24,7 @@ FLOOR_BIT, BODY_BIT = 1, 2
 """Wheels and casters touch the floor, the robot's hull touches bodies."""
 FLOOR_HALF_M, NEAR_M, FAR_M = 300.0, 0.02, 400.0
 FLOOR_CELL_M = 0.25
-"""OpenGL lights the corners of polygons: with a lamp the floor consists of squares of this size, as far as it shines."""
+"""OpenGL lights the corners of polygons: with a lamp the floor is squares of this size, as far as it shines."""
 LAMP_HALF_M = 8.0
 SUN_M = 8.0
 """Distance of the sun from the camera, around which shadows are drawn."""
@@ -95,7 +95,7 @@ def compile_model(
     chassis: Chassis,
 ) -> Any:
     """Return the model; ``textures``: the floor's, then those of the faces, ``periods_m``: width and height of each."""
-    root = ElementTree.Element("mujoco")
+    root = ET.Element("mujoco")
     _add(root, "compiler", angle="radian", autolimits="true")
     _add(root, "option", timestep=TIMESTEP_S, integrator="implicitfast", cone="elliptic", impratio=10)
     _add(root, "statistic", extent=1, meansize=0.1, center="0 0 0")
@@ -118,16 +118,16 @@ def compile_model(
     _add_hulls(assets, world, bodies)
     _add_robot(root, world, chassis, camera, casts_shadow=bool(lights.shadow))
     mujoco = engine.load()
-    model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
+    model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
     for k, texels in enumerate(textures):
         begin = model.tex_adr[1 + k]
         model.tex_data[begin : begin + 3 * texels.size] = cv2.cvtColor(texels, cv2.COLOR_GRAY2RGB).reshape(-1)
     return model
 
 
-def _add(parent: ElementTree.Element, tag: str, **attributes: object) -> ElementTree.Element:
+def _add(parent: ET.Element, tag: str, **attributes: object) -> ET.Element:
     texts = {name.rstrip("_"): _text(value) for name, value in attributes.items() if value is not None}
-    return ElementTree.SubElement(parent, tag, texts)
+    return ET.SubElement(parent, tag, texts)
 
 
 def _text(value: object) -> str:
@@ -137,7 +137,7 @@ def _text(value: object) -> str:
 
 
 def _add_mesh(
-    assets: ElementTree.Element, name: str, corners: Doubles, normals: Doubles, uv: Doubles, triangles: Indices
+    assets: ET.Element, name: str, corners: Doubles, normals: Doubles, uv: Doubles, triangles: Indices
 ) -> None:
     """Add what is drawn; MuJoCo counts v of a texture from its last row."""
     _add(
@@ -146,8 +146,8 @@ def _add_mesh(
 
 
 def _add_floor(
-    assets: ElementTree.Element,
-    world: ElementTree.Element,
+    assets: ET.Element,
+    world: ET.Element,
     period_m: Doubles,
     origin_m: Doubles,
     camera: Camera,
@@ -178,7 +178,7 @@ def _add_floor(
 _SHOWN: dict[str, object] = {"contype": 0, "conaffinity": 0, "group": SHOWN_GROUP, "mass": 0}
 
 
-def _add_lights(world: ElementTree.Element, camera: Camera, lights: Lights) -> None:
+def _add_lights(world: ET.Element, camera: Camera, lights: Lights) -> None:
     """Add the sun, as bright on the floor as in `shade`, and the lamp at the camera."""
     _, sun = _sun(lights)
     _add(
@@ -219,7 +219,7 @@ def _gray(value: float) -> str:
     return " ".join([repr(float(value))] * 3)
 
 
-def _add_shown(assets: ElementTree.Element, world: ElementTree.Element, faces: Faces, periods_m: Doubles) -> None:
+def _add_shown(assets: ET.Element, world: ET.Element, faces: Faces, periods_m: Doubles) -> None:
     """Add what is drawn: one mesh for each texture of what stands, and the bodies that move."""
     body = faces.body.take(faces.face_of_prim)
     texture = faces.texture.take(faces.face_of_prim)
@@ -228,12 +228,13 @@ def _add_shown(assets: ElementTree.Element, world: ElementTree.Element, faces: F
         _add_surface(assets, world, f"standing{k}", faces, np.flatnonzero(~moves & (texture == k)), periods_m)
     for number, one in enumerate(faces.moving):
         carrier = _add(world, "body", name=f"moving{number}", mocap="true")
+        _add(carrier, "inertial", pos="0 0 0", mass=1, diaginertia="1 1 1")
         _add_surface(assets, carrier, f"shown{number}", faces, np.flatnonzero(body == one), periods_m)
 
 
 def _add_surface(
-    assets: ElementTree.Element,
-    parent: ElementTree.Element,
+    assets: ET.Element,
+    parent: ET.Element,
     name: str,
     faces: Faces,
     prims: Indices,
@@ -260,7 +261,7 @@ def _triangles(quads: Indices) -> Indices:
     return halves
 
 
-def _add_hulls(assets: ElementTree.Element, world: ElementTree.Element, bodies: Iterable[Body]) -> None:
+def _add_hulls(assets: ET.Element, world: ET.Element, bodies: Iterable[Body]) -> None:
     """Add what the robot can touch: a box or a prism for each convex part of a body."""
     carriers = {element.get("name"): element for element in world.iter("body")}
     moving = 0
@@ -273,9 +274,7 @@ def _add_hulls(assets: ElementTree.Element, world: ElementTree.Element, bodies: 
             _add_hull(assets, parent, f"hull{index}_{part}", outline, body.height_m)
 
 
-def _add_hull(
-    assets: ElementTree.Element, parent: ElementTree.Element, name: str, outline: Doubles, height_m: float
-) -> None:
+def _add_hull(assets: ET.Element, parent: ET.Element, name: str, outline: Doubles, height_m: float) -> None:
     touched: dict[str, object] = {"contype": 0, "conaffinity": BODY_BIT, "group": HULL_GROUP, "mass": 0, "user": BODY}
     if len(outline) == 4 and np.allclose(outline[0] + outline[2], outline[1] + outline[3], atol=1e-9):
         along, across = outline[1] - outline[0], outline[2] - outline[1]
@@ -287,13 +286,11 @@ def _add_hull(
             _add(parent, "geom", name=name, type="box", size=half, pos=pos, euler=euler, **touched)
             return
     low = np.column_stack([outline, np.zeros(len(outline))])
-    _add(assets, "mesh", name=name, vertex=np.concatenate([low, low + (0.0, 0.0, height_m)]))
+    _add(assets, "mesh", name=name, vertex=np.concatenate([low, low + np.array([0.0, 0.0, height_m])]))
     _add(parent, "geom", name=name, type="mesh", mesh=name, **touched)
 
 
-def _add_robot(
-    root: ElementTree.Element, world: ElementTree.Element, chassis: Chassis, camera: Camera, *, casts_shadow: bool
-) -> None:
+def _add_robot(root: ET.Element, world: ET.Element, chassis: Chassis, camera: Camera, *, casts_shadow: bool) -> None:
     """Add the base: its frame is on the floor, below the middle of the axle."""
     base = _add(world, "body", name="base")
     _add(base, "freejoint", name="free")

@@ -140,8 +140,9 @@ def test_who_crosses_sets_out_when_the_robot_comes(tmp_path: Path) -> None:
 def test_light_differs_from_pixel_to_pixel(lights: dict[str, Any], box: Path) -> None:
     still = Twist(v_mps=0.0, omega_radps=0.0)
     plain, lit = (
-        list(driven(Mujoco(map=box, **EXACT, **given), still, 1))[0].image.pixels.astype(float)
+        first.image.pixels.astype(float)
         for given in ({"tilt_deg": lights.get("tilt_deg", 75.0)}, lights)
+        for first in driven(Mujoco(map=box, **EXACT, **given), still, 1)
     )
     ratio = lit / np.maximum(plain, 20.0)
     assert ratio.max() - ratio.min() > 0.3

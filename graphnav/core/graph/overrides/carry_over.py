@@ -11,10 +11,10 @@ from graphnav.core.stage import Source, Stage, params_of, ports_of
 
 
 def kept_params(params: Mapping[str, Entry], old: type[Stage] | None, new: type[Stage]) -> dict[str, Entry]:
-    """Return the parameters that a swap keeps: paths of the same name, and of sources what both inherit.
+    """Return the parameters that a swap keeps: paths of the same name, and what simulators with one ``step`` share.
 
-    A tuned value is not carried over to a rival. What two simulators inherit from one base says what world it is, and
-    which robot drives through it: the swapped one simulates the same.
+    A tuned value is not carried over to a rival. What two simulators inherit with their ``step`` says what world it is,
+    and which robot drives through it: the other one simulates the same.
     """
     before = params_of(old) if old else {}
     after = params_of(new)
@@ -28,11 +28,11 @@ def kept_params(params: Mapping[str, Entry], old: type[Stage] | None, new: type[
 
 
 def _inherit_both(name: str, old: type[Stage] | None, new: type[Stage]) -> bool:
-    """Whether both are sources that inherit this parameter from one class of sources, which is not `Source` itself."""
+    """Whether both are sources with the ``step`` of one class, which declares or inherits this parameter."""
     if old is None or not (issubclass(old, Source) and issubclass(new, Source)):
         return False
-    common = [cls for cls in old.__mro__ if issubclass(cls, Source) and issubclass(new, cls)]
-    return len(common) > 1 and name in params_of(common[0])
+    owner, other = (next(cls for cls in one.__mro__ if "step" in vars(cls)) for one in (old, new))
+    return owner is other and name in params_of(owner)
 
 
 def kept_wires(wires: Mapping[str, Entry], old: type[Stage] | None, new: type[Stage]) -> dict[str, Entry]:
