@@ -9,7 +9,7 @@ from typing import Any
 from graphnav import UserError, import_extra
 
 LIBRARIES = {"osmesa": ("libOSMesa.so.8", "libOSMesa.so"), "egl": ("libEGL.so.1",)}
-"""What draws without a window, in the order of preference: OSMesa always computes on the CPU."""
+"""Libraries that draw without a window, in the order of preference: OSMesa always computes on the CPU."""
 CHOSEN_BY = "MUJOCO_GL"
 
 

@@ -40,7 +40,7 @@ class Eye:
 
 @dataclass(frozen=True)
 class Buffers:
-    """What MuJoCo tells of a frame: the geom that each pixel shows, -1 for none, and its depth along the axis (m)."""
+    """Buffers of MuJoCo for a frame: the geom that each pixel shows, -1 for none, and its depth along the axis (m)."""
 
     geom: Ints
     depth_m: Floats

@@ -17,9 +17,9 @@ from graphnav.arrays import Bytes, Doubles, Indices
 from graphnav_mujoco import engine
 
 FLOOR, BODY, ROBOT = range(3)
-"""What a geom is, in `user`; that of a moving body is BODY, too."""
+"""Kinds of geoms, in `user`; that of a moving body is BODY, too."""
 HULL_GROUP, SHOWN_GROUP = 3, 0
-"""Groups of geoms: what has contacts and is not drawn, and what is drawn and has none."""
+"""Groups of geoms: those with contacts are not drawn, those that are drawn have none."""
 FLOOR_BIT, BODY_BIT = 1, 2
 """Wheels and casters touch the floor, the robot's hull touches bodies."""
 FLOOR_HALF_M, NEAR_M, FAR_M = 300.0, 0.02, 400.0

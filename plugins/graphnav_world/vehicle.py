@@ -47,7 +47,7 @@ class Pose(NamedTuple):
 
 
 class Base(Protocol):
-    """What drives a robot in a world. The first contact stops it permanently."""
+    """A base that drives a robot in a world. The first contact stops it permanently."""
 
     movers: tuple[Mover, ...]
     """The bodies that move, in their order."""

@@ -77,7 +77,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Film:
-    """What makes a picture of gray values: brightness, and noise that ``rng`` draws."""
+    """Brightness and noise, which ``rng`` draws: they make a picture of gray values."""
 
     light: float = 1.0
     noise_sigma_gray: float = 0.0

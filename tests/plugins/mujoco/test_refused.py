@@ -1,4 +1,4 @@
-"""What `world.mujoco` lacks is told in one line before a run."""
+"""Missing parts of `world.mujoco` are told in one line before a run."""
 
 from __future__ import annotations
 
