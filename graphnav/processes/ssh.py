@@ -9,8 +9,7 @@ import socket
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from graphnav import UserError
-from graphnav.core.machine import import_extra
+from graphnav import UserError, import_extra
 from graphnav.processes.hosts import HostKeys
 
 if TYPE_CHECKING:

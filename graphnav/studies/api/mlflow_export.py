@@ -11,8 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from graphnav import UserError
-from graphnav.core.machine import import_extra
+from graphnav import UserError, import_extra
 from graphnav.studies.ablation.plan import Case, Plan
 from graphnav.studies.ablation.report import RESULTS, TABLE
 from graphnav.studies.ablation.results import Row

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphnav.core.machine import import_extra
+from graphnav import import_extra
 
 _EXTRAS = {"foxglove": ("foxglove", "foxglove-sdk"), "rerun": ("rerun", "rerun-sdk"), "pyarrow": ("parquet", "pyarrow")}
 """By imported package: the extra of graphnav that installs it, and its distribution name."""

@@ -11,9 +11,8 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
-from graphnav import GraphnavError, UserError
+from graphnav import GraphnavError, UserError, import_extra
 from graphnav.core.interrupts import ctrl_c_later
-from graphnav.core.machine import import_extra
 from graphnav.studies.ablation.execution.local_processes import LocalWorkers
 from graphnav.studies.ablation.worker import Result, Task
 
