@@ -85,7 +85,8 @@ class Mujoco(CameraWorld):
         textures = [atlas.texels(k) for k in range(len(atlas.period_m))]
         periods_m = [tuple(one) for one in atlas.period_m.tolist()]
         if self.floor != "map":
-            textures[0], periods_m[0] = _contrasted(_photograph(self.floor), self.contrast_ratio), (self.photo_m,) * 2
+            textures[0] = _contrasted(_photograph(self.floor), self.contrast_ratio)
+            periods_m[0] = (2 * self.photo_m, 2 * self.photo_m)
         lights = Lights(self.lamp_ratio, self.glare_ratio, self.shadow_ratio)
         chassis = Chassis(self._radius_m, self.robot_size_m)
         model = compile_model(
@@ -117,11 +118,12 @@ class Mujoco(CameraWorld):
 
 
 def _photograph(name: str) -> Bytes:
-    """Return a photograph of a floor, gray, uint8 (height, width)."""
+    """Return a photograph of a floor beside its mirror images, gray, uint8: it tiles without a seam."""
     data = import_extra("skimage.data", "photos", f"floor: {name}", "scikit-image")
     picture = np.asarray(getattr(data, name)())
     gray: Bytes = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
-    return np.ascontiguousarray(gray)
+    row = np.hstack([gray, gray[:, ::-1]])
+    return np.vstack([row, row[::-1]])
 
 
 def _contrasted(gray: Bytes, ratio: float) -> Bytes:

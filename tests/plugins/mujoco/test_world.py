@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import sys
+import types
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -134,6 +136,20 @@ def test_who_crosses_sets_out_when_the_robot_comes(tmp_path: Path) -> None:
     assert ways[0] == -1.0
     assert ways[-1] > -0.9, "it has set out"
     assert any(obstacle_of(one).any() for one in outputs[1:]), "the body is drawn where it is"
+
+
+def test_a_photograph_covers_the_floor_without_a_seam(maps: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    slope = np.tile(np.linspace(60, 180, 64), (64, 1)).astype(np.uint8)
+    photographs = types.SimpleNamespace(gravel=lambda: slope)
+    monkeypatch.setitem(sys.modules, "skimage.data", photographs)
+    world = Mujoco(map=maps / "empty.yaml", floor="gravel", photo_m=0.5, tilt_deg=90.0, **EXACT)
+    world.check()
+    (first,) = driven(world, Twist(v_mps=0.0, omega_radps=0.0), 1)
+    pixels = first.image.pixels.astype(int)
+    steps = np.maximum(np.abs(np.diff(pixels, axis=0)).max(), np.abs(np.diff(pixels, axis=1)).max())
+    assert pixels.min() < 80
+    assert pixels.max() > 160
+    assert steps < 10, "the photograph goes on as its mirror image"
 
 
 @pytest.mark.parametrize("lights", [{"lamp_ratio": 0.5}, {"glare_ratio": 1.0}, {"tilt_deg": 50.0, "shadow_ratio": 0.6}])
