@@ -83,7 +83,9 @@ class Both:
             eye_of(camera, *planar_base(*pose), positions(base.movers, at_s))
             for pose, at_s in ((now, time_s), (before, then_s))
         ]
-        return self.ours._renderer.render(*placed), self.other._render(eyes[0], eyes[1], [], Film())  # noqa: SLF001
+        retina = self.other._retina  # noqa: SLF001
+        assert retina is not None
+        return self.ours._renderer.render(*placed), retina.frame(*eyes, [], Film(), has_truth=True)  # noqa: SLF001
 
     def poses(self, count: int) -> list[Pose]:
         """Return random poses outside of all bodies, within 2.5 m of the start and on to the goal."""

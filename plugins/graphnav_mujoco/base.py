@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from graphnav_world.geometry.movers import Mover, Walker
 from graphnav_world.slip import Slip
-from graphnav_world.vehicle import FARTHEST_M, SUBSTEP_S, Limits, Pose, towards, within
+from graphnav_world.vehicle import FARTHEST_M, SUBSTEP_S, Base, Limits, Pose, towards, within
 
 from graphnav.arrays import Doubles
 from graphnav_mujoco import engine
@@ -179,6 +179,43 @@ class TwoWheels:
             )
             nearest = min(nearest, float(found))
         return max(nearest, 0.0)
+
+
+class Carried:
+    """A base that another one drives, upright, and that a model of MuJoCo only shows."""
+
+    def __init__(self, model: Any, driver: Base) -> None:
+        self._mujoco = mujoco = engine.load()
+        self.movers = driver.movers
+        self._model, self._driver, self.data = model, driver, mujoco.MjData(model)
+        self._show(driver.pose)
+
+    @property
+    def base(self) -> tuple[Doubles, Doubles]:
+        """The base's frame: its origin in W, on the floor, and its axes."""
+        pose = self._driver.pose
+        return planar_base(pose.x_m, pose.y_m, pose.yaw_rad)
+
+    @property
+    def pose(self) -> Pose:
+        """The driver's pose."""
+        return self._driver.pose
+
+    @property
+    def wheels(self) -> Pose:
+        """The driver's pose by its wheels."""
+        return self._driver.wheels
+
+    def advance(self, v_mps: float, omega_radps: float, until_s: float) -> Pose:
+        """Drive as the driver does, and show where that is."""
+        pose = self._driver.advance(v_mps, omega_radps, until_s)
+        self._show(pose)
+        return pose
+
+    def _show(self, pose: Pose) -> None:
+        half = pose.yaw_rad / 2
+        self.data.qpos[:7] = pose.x_m, pose.y_m, 0.0, math.cos(half), 0.0, 0.0, math.sin(half)
+        self._mujoco.mj_forward(self._model, self.data)
 
 
 def planar_base(x_m: float, y_m: float, yaw_rad: float) -> tuple[Doubles, Doubles]:

@@ -12,14 +12,15 @@ from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.exposure import moments
 from graphnav_world.rendering.render import Film
 from graphnav_world.slip import Slip
+from graphnav_world.simulation import AnyFrame
 from graphnav_world.vehicle import Base, Limits, Pose
 from graphnav_world.world import CameraWorld
 
 from graphnav import ParamError, import_extra, param
 from graphnav.arrays import Bytes
 from graphnav_mujoco import engine
-from graphnav_mujoco.base import TwoWheels, planar_base, positions
-from graphnav_mujoco.eye import Eye, MujocoFrame, Retina, eye_of
+from graphnav_mujoco.base import Carried, TwoWheels, planar_base, positions
+from graphnav_mujoco.eye import Eye, Retina, eye_of
 from graphnav_mujoco.model import Chassis, Lights, compile_model
 
 
@@ -38,6 +39,17 @@ class Mujoco(CameraWorld):
     that: a log of another machine may differ.
     """
 
+    pictures: Literal["mujoco", "pymunk"] = param(
+        "mujoco",
+        doc="which simulator draws: with `pymunk` pictures and truth are those that world.pymunk has at the poses of "
+        "this drive",
+        changes=("image", "truth"),
+    )
+    physics: Literal["mujoco", "pymunk"] = param(
+        "mujoco",
+        doc="which simulator drives: with `pymunk` the robot moves as in world.pymunk; with `pictures: pymunk` all is as "
+        "there",
+    )
     floor: Literal["map", "brick", "grass", "gravel"] = param(
         "map",
         doc="what covers the floor: the map's texture, or a photograph of scikit-image, whose contrast is multiplied "
@@ -52,16 +64,22 @@ class Mujoco(CameraWorld):
         Raises
         ------
         ParamError
-            The map does not exist, or surfaces are to be neutral.
+            The map does not exist, or MuJoCo is to draw neutral surfaces, or pymunk a photograph.
         UserError
             The map is invalid, or what is needed is not installed.
         """
-        if self.neutral:
-            raise ParamError("neutral", "world.mujoco has no neutral surfaces", "use world.pymunk, or neutral: false")
+        if self._draws and self.neutral:
+            raise ParamError("neutral", "MuJoCo draws no neutral surfaces", "give pictures: pymunk, or neutral: false")
+        if not self._draws and self.floor != "map":
+            raise ParamError("floor", "only MuJoCo draws photographs", "give pictures: mujoco, or floor: map")
         engine.load()
         if self.floor != "map":
             _photograph(self.floor)
         super().check()
+
+    @property
+    def _draws(self) -> bool:
+        return self.pictures == "mujoco"
 
     def reset(self, seed: int) -> None:
         """Draw the map, its textures and all errors, compile the model, and put the robot at the start."""
@@ -75,9 +93,11 @@ class Mujoco(CameraWorld):
             retina.close()
         self._retina: Retina | None = None
 
-    def _paint(self, painted: PaintedWorld, seed: int) -> None:  # noqa: ARG002  # the seed has drawn the textures
+    def _paint(self, painted: PaintedWorld, seed: int) -> None:
         self._painted = painted
         self._seen: Eye | None = None
+        if not self._draws:
+            super()._paint(painted, seed)
 
     def _new_base(self, limits: Limits, slip: Slip | None) -> Base:
         draw, painted = self._draw, self._painted
@@ -92,14 +112,21 @@ class Mujoco(CameraWorld):
         model = compile_model(
             draw.bodies, self._faces, textures, periods_m, painted.floor_origin_m, self._camera, lights, chassis
         )
-        movers = movers_of(body.course for body in draw.bodies if body.course is not None)
-        self._base = TwoWheels(model, draw.start, movers, limits, chassis, slip)
-        self._retina = Retina(
-            model, self._base.data, self._camera, lights.headroom, has_shadows=bool(self.shadow_ratio)
-        )
+        self._base: TwoWheels | Carried
+        if self.physics == "mujoco":
+            movers = movers_of(body.course for body in draw.bodies if body.course is not None)
+            self._base = TwoWheels(model, draw.start, movers, limits, chassis, slip)
+        else:
+            self._base = Carried(model, super()._new_base(limits, slip))
+        if self._draws:
+            self._retina = Retina(
+                model, self._base.data, self._camera, lights.headroom, has_shadows=bool(self.shadow_ratio)
+            )
         return self._base
 
-    def _frame(self, camera: Camera, pose: Pose, time_s: float, film: Film) -> MujocoFrame:
+    def _frame(self, camera: Camera, pose: Pose, time_s: float, film: Film) -> AnyFrame:
+        if self._retina is None:
+            return super()._frame(camera, pose, time_s, film)
         origin, R_WB = self._base.base
         now = eye_of(camera, origin, R_WB, positions(self._base.movers, time_s))
         _, upright = planar_base(pose.x_m, pose.y_m, pose.yaw_rad)
@@ -109,11 +136,7 @@ class Mujoco(CameraWorld):
             at, R_W = planar_base(*driven)
             at[2] = origin[2]
             meanwhile.append(eye_of(camera, at, R_W @ lean, positions(self._base.movers, time_s + after_s)))
-        before, self._seen = self._seen, now
-        return self._render(now, before if self._has_truth else None, meanwhile, film)
-
-    def _render(self, now: Eye, before: Eye | None, meanwhile: list[Eye], film: Film) -> MujocoFrame:
-        assert self._retina is not None
+        before, self._seen = self._seen if self._has_truth else None, now
         return self._retina.frame(now, before, meanwhile, film, has_truth=before is not None)
 
 

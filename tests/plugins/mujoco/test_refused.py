@@ -50,7 +50,13 @@ def test_what_the_environment_chooses_is_kept(given: str, used: str, monkeypatch
 def test_neutral_surfaces_are_refused(maps: Path) -> None:
     with pytest.raises(ParamError) as told:
         Mujoco(map=maps / "empty.yaml", neutral=True).check()
-    assert str(told.value) == "neutral: world.mujoco has no neutral surfaces\n  use world.pymunk, or neutral: false"
+    assert str(told.value) == "neutral: MuJoCo draws no neutral surfaces\n  give pictures: pymunk, or neutral: false"
+
+
+def test_a_photograph_in_pictures_of_the_other_simulator_is_refused(maps: Path) -> None:
+    with pytest.raises(ParamError) as told:
+        Mujoco(map=maps / "empty.yaml", pictures="pymunk", floor="brick").check()
+    assert str(told.value) == "floor: only MuJoCo draws photographs\n  give pictures: mujoco, or floor: map"
 
 
 def test_without_the_photographs_their_package_is_told(maps: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -163,3 +163,30 @@ def test_light_differs_from_pixel_to_pixel(lights: dict[str, Any], box: Path) ->
     ratio = lit / np.maximum(plain, 20.0)
     assert ratio.max() - ratio.min() > 0.3
     assert lit.mean() == pytest.approx(plain.mean(), rel=0.4)
+
+
+def bytes_of(world: Pymunk | Mujoco) -> list[bytes]:
+    """Return what a short drive shows and tells of itself."""
+    return [
+        one.image.pixels.tobytes() + repr((one.state.x_m, one.state.y_m, one.motion)).encode()
+        for one in driven(world, Twist(0.3, 0.4), 8)
+    ]
+
+
+def test_pictures_and_physics_of_the_other_simulator_are_its_own(maps: Path) -> None:
+    where = maps / "movers.yaml"
+    ours = bytes_of(Pymunk(map=where))
+    assert bytes_of(Mujoco(map=where, pictures="pymunk", physics="pymunk")) == ours
+    drawn, moved = (
+        list(driven(Mujoco(map=where, truth=True, **EXACT, **given), Twist(0.3, 0.4), 8))
+        for given in ({"physics": "pymunk"}, {"pictures": "pymunk"})
+    )
+    plain, all_mujoco = (
+        list(driven(cls(map=where, truth=True, **EXACT), Twist(0.3, 0.4), 8)) for cls in (Pymunk, Mujoco)
+    )
+    for mine, other in ((drawn, plain), (moved, all_mujoco)):
+        assert [(one.state.x_m, one.state.y_m) for one in mine] == [(one.state.x_m, one.state.y_m) for one in other]
+    for mine, other in ((drawn, plain), (moved, all_mujoco)):
+        apart = np.abs(mine[-1].image.pixels.astype(float) - other[-1].image.pixels).mean()
+        assert 0.0 < apart < 3.0, "the same scene, drawn by another engine"
+        assert np.mean(obstacle_of(mine[-1]) != obstacle_of(other[-1])) < 0.002
