@@ -79,13 +79,13 @@ class Both:
         """Return the frames from a pose, with the flow since another one."""
         camera, faces, base = self.ours._camera, self.ours._faces, self.other._base  # noqa: SLF001
         placed = Placed.at(camera, faces, *now, time_s), Placed.at(camera, faces, *before, then_s)
-        eyes = [
+        now_eye, then_eye = (
             eye_of(camera, *planar_base(*pose), positions(base.movers, at_s))
             for pose, at_s in ((now, time_s), (before, then_s))
-        ]
+        )
         retina = self.other._retina  # noqa: SLF001
         assert retina is not None
-        return self.ours._renderer.render(*placed), retina.frame(*eyes, [], Film(), has_truth=True)  # noqa: SLF001
+        return self.ours._renderer.render(*placed), retina.frame(now_eye, then_eye, [], Film(), has_truth=True)  # noqa: SLF001
 
     def poses(self, count: int) -> list[Pose]:
         """Return random poses outside of all bodies, within 2.5 m of the start and on to the goal."""

@@ -11,8 +11,8 @@ from graphnav_world.painted_world import PaintedWorld
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.exposure import moments
 from graphnav_world.rendering.render import Film
-from graphnav_world.slip import Slip
 from graphnav_world.simulation import AnyFrame
+from graphnav_world.slip import Slip
 from graphnav_world.vehicle import Base, Limits, Pose
 from graphnav_world.world import CameraWorld
 
@@ -47,8 +47,8 @@ class Mujoco(CameraWorld):
     )
     physics: Literal["mujoco", "pymunk"] = param(
         "mujoco",
-        doc="which simulator drives: with `pymunk` the robot moves as in world.pymunk; with `pictures: pymunk` all is as "
-        "there",
+        doc="which simulator drives: with `pymunk` the robot moves as in world.pymunk; with pictures of pymunk all is "
+        "as there",
     )
     floor: Literal["map", "brick", "grass", "gravel"] = param(
         "map",

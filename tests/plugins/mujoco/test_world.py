@@ -178,15 +178,17 @@ def test_pictures_and_physics_of_the_other_simulator_are_its_own(maps: Path) -> 
     ours = bytes_of(Pymunk(map=where))
     assert bytes_of(Mujoco(map=where, pictures="pymunk", physics="pymunk")) == ours
     drawn, moved = (
-        list(driven(Mujoco(map=where, truth=True, **EXACT, **given), Twist(0.3, 0.4), 8))
-        for given in ({"physics": "pymunk"}, {"pictures": "pymunk"})
+        list(driven(world, Twist(0.3, 0.4), 8))
+        for world in (
+            Mujoco(map=where, truth=True, physics="pymunk", **EXACT),
+            Mujoco(map=where, truth=True, pictures="pymunk", **EXACT),
+        )
     )
     plain, all_mujoco = (
         list(driven(cls(map=where, truth=True, **EXACT), Twist(0.3, 0.4), 8)) for cls in (Pymunk, Mujoco)
     )
     for mine, other in ((drawn, plain), (moved, all_mujoco)):
         assert [(one.state.x_m, one.state.y_m) for one in mine] == [(one.state.x_m, one.state.y_m) for one in other]
-    for mine, other in ((drawn, plain), (moved, all_mujoco)):
         apart = np.abs(mine[-1].image.pixels.astype(float) - other[-1].image.pixels).mean()
         assert 0.0 < apart < 3.0, "the same scene, drawn by another engine"
         assert np.mean(obstacle_of(mine[-1]) != obstacle_of(other[-1])) < 0.002
