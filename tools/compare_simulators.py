@@ -1,18 +1,20 @@
 """Compare both simulators from the same poses: `python tools/compare_simulators.py`.
 
 Masks, depth, flow and gray of `world.pymunk` and `world.mujoco`, which compute them independently of each other; then
-the time of a step, in turns, at three sizes of the picture.
+the time of a step, in turns, at three sizes of the picture. With a FILE it draws what both show instead.
 """
 
 from __future__ import annotations
 
 import math
 import statistics
+import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
 import numpy as np
 from graphnav_mujoco.base import planar_base, positions
 from graphnav_mujoco.eye import MujocoFrame, eye_of
@@ -24,6 +26,7 @@ from graphnav_world.rendering.render import Film, Frame
 from graphnav_world.world import Pymunk
 
 from graphnav import Latest, Stamp, Twist
+from graphnav.arrays import Bytes
 
 MAPS = Path(__file__).resolve().parent.parent / "graphs" / "graphnav_graphs" / "maps"
 WORLDS = (
@@ -37,6 +40,8 @@ WORLDS = (
 )
 SIZES = ((160, 120), (320, 240), (640, 480))
 POSES, STEPS = 20, 30
+DRAWN = (("crowded", 5, 60.0), ("barn", 49, 60.0))
+SCALE, GAP_PX = 2, 6
 Pose = tuple[float, float, float]
 
 
@@ -129,8 +134,32 @@ def step_ms(both: Both) -> tuple[float, float]:
     return statistics.median(taken[0]), statistics.median(taken[1])
 
 
+def drawn(both: Both, pose: Pose) -> Bytes:
+    """Return a row of pictures, gray: of each simulator what it shows and where it sees obstacles."""
+    x, y, yaw = pose
+    frames = both.frames(pose, (x - 0.03 * math.cos(yaw), y - 0.03 * math.sin(yaw), yaw))
+    tiles = [tile for frame in frames for tile in (frame.pixels, 255 * frame.obstacle)]
+    large = [cv2.resize(tile, None, fx=SCALE, fy=SCALE, interpolation=cv2.INTER_NEAREST) for tile in tiles]
+    framed = [cv2.copyMakeBorder(tile, *(GAP_PX // 2,) * 4, cv2.BORDER_CONSTANT, value=(255,)) for tile in large]
+    row: Bytes = np.hstack(framed).astype(np.uint8)
+    return row
+
+
+def draw(path: str) -> None:
+    """Write the rows of `DRAWN`."""
+    rows = []
+    for name, seed, tilt_deg in DRAWN:
+        both = Both(MAPS / f"{name}.yaml", seed, tilt_deg=tilt_deg)
+        rows.append(drawn(both, both.poses(1)[0]))
+        both.close()
+    cv2.imwrite(path, np.vstack(rows))
+
+
 def main() -> None:
-    """Print both tables."""
+    """Print both tables, or draw what both show into a file."""
+    if sys.argv[1:]:
+        draw(sys.argv[1])
+        return
     print(f"{POSES} poses each, 160x120: minimum of IoU, maxima of depth and flow, mean of gray")
     print(f"{'map':<14}{'seed':>5}{'IoU':>9}{'depth um':>10}{'flow px':>10}{'gray':>7}")
     for name, seed, tilt_deg in WORLDS:
