@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import importlib
 import os
 from typing import Any
 
@@ -56,8 +57,11 @@ def new_context(cols: int, rows: int) -> Any:
         The library has no driver that draws.
     """
     mujoco = load()
+    chosen = os.environ[CHOSEN_BY].lower().strip()
     try:
-        return mujoco.GLContext(cols, rows)
+        # mujoco.GLContext is of what was chosen when the module was imported, by whomever
+        draws_by = importlib.import_module(f"mujoco.{chosen}") if chosen in LIBRARIES else mujoco
+        return draws_by.GLContext(cols, rows)
     except (RuntimeError, ImportError, AttributeError) as error:
         what = f"world.mujoco cannot draw by {os.environ.get(CHOSEN_BY)}: {error}"
         raise UserError.of(what, f"apt install libosmesa6, and set {CHOSEN_BY}=osmesa") from error

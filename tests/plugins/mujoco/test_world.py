@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import subprocess
 import sys
 import types
 from collections.abc import Iterator
@@ -12,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from compare_simulators import Both, compared
+from graphnav_mujoco import engine
 from graphnav_mujoco.world import Mujoco
 from graphnav_world.world import Pymunk, WorldOutputs
 
@@ -69,6 +72,22 @@ def test_both_simulators_show_the_same(name: str, seed: int, tilt_deg: float, ma
         assert found.flow_px < 0.01
         assert found.gray < 3.0, "mip levels are filtered in another way"
     both.close()
+
+
+def test_it_draws_where_mujoco_was_imported_before(maps: Path) -> None:
+    drawing = f"""
+import mujoco
+from graphnav import Latest, Stamp, Twist
+from graphnav_mujoco.world import Mujoco
+world = Mujoco(map={str(maps / "empty.yaml")!r})
+world.check()
+world.reset(1)
+print(world.step(Latest(Twist(0.0, 0.0), 0.0), Stamp(0)).image.pixels.std() > 1)
+world.close()
+"""
+    environment = {key: value for key, value in os.environ.items() if key != engine.CHOSEN_BY}
+    done = subprocess.run([sys.executable, "-c", drawing], env=environment, capture_output=True, text=True, check=False)
+    assert done.stdout == "True\n", done.stderr
 
 
 def test_the_image_is_neither_mirrored_nor_turned(box: Path) -> None:
