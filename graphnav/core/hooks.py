@@ -106,6 +106,15 @@ def graphnav_draw_rows(recording: Recording, times_s: Sequence[float], file: Pat
 
 
 @hookspec(firstresult=True)
+def graphnav_draw_separation(recording: Recording, times_s: Sequence[float], file: Path) -> Path | None:
+    """Draw how single frames of a recorded run were separated into one picture ``file``, a row for each frame.
+
+    A row has the image, its flow, the component that the obstacles were found in, and the dominant plane. ``times_s``
+    and the result: as for `graphnav_draw_rows`; raise UserError also for a log without independent components.
+    """
+
+
+@hookspec(firstresult=True)
 def graphnav_draw_sheet(recording: Recording, every_s: float, from_s: float, until_s: float, file: Path) -> Path | None:
     """Draw a contact sheet of a recorded run: small frames at regular intervals, side by side.
 

@@ -1,4 +1,4 @@
-"""Pictures of a recorded run, drawn from its log alone: ``map.png``, ``panels.png``, ``components.png``, a video."""
+"""Pictures of a recorded run, drawn from its log alone: map, panels, independent components, their norms, a video."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def graphnav_draw(recording: Recording, folder: Path, video: bool, suffix: str) 
     """Draw the content of the log into ``folder``; return the files, in a fixed order.
 
     A log without a map gives no ``map.png``, one without camera data no ``panels.png``, one without independent
-    components no ``components.png``.
+    components no ``components.png`` and no ``norms.png``.
     """
     from graphnav_view.pictures import draw
 
@@ -67,6 +67,15 @@ def graphnav_draw_rows(recording: Recording, times_s: Sequence[float], file: Pat
     from graphnav_view.signals import Signals
 
     return draw_rows(Signals(recording), times_s, file)
+
+
+@hookimpl
+def graphnav_draw_separation(recording: Recording, times_s: Sequence[float], file: Path) -> Path | None:
+    """Draw the paper's I, u, v and D of each frame in a row; None if the log has no camera data."""
+    from graphnav_view.panels.separation_rows import draw_separation_rows
+    from graphnav_view.signals import Signals
+
+    return draw_separation_rows(Signals(recording), times_s, file)
 
 
 @hookimpl

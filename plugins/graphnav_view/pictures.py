@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from graphnav import UserError
 from graphnav_view.maps.overview import draw_overview
 from graphnav_view.panels.key_panels import draw_panels
+from graphnav_view.panels.norms_page import draw_norms
 from graphnav_view.panels.separation_page import draw_components
 from graphnav_view.signals import Signals
 from graphnav_view.video.mp4 import write_frames
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def draw(recording: Recording, folder: Path, *, with_video: bool, suffix: str = ".png") -> list[Path]:
-    """Draw map, panels, components and optionally the video, as far as the log has the data; return the files.
+    """Draw map, panels, components, norms and optionally the video, as far as the log has the data; return the files.
 
     Raises UserError for a video of a log without images.
     """
@@ -27,6 +28,7 @@ def draw(recording: Recording, folder: Path, *, with_video: bool, suffix: str = 
         draw_overview(signals, folder / f"map{suffix}"),
         draw_panels(signals, folder / f"panels{suffix}"),
         draw_components(signals, folder / f"components{suffix}"),
+        draw_norms(signals, folder / f"norms{suffix}"),
     ]
     if with_video:
         video = video_frames(signals)

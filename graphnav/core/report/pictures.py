@@ -57,6 +57,17 @@ class LogPictures:
             )
         return [] if drawn is None else [drawn]
 
+    def draw_separation(self, times_s: Sequence[float]) -> list[Path]:
+        """Draw how the frames nearest to ``times_s`` were separated into one picture; raises as `draw_frames`.
+
+        Raises UserError also for a log without independent components.
+        """
+        with self._drawing():
+            drawn = self.catalog.hook.graphnav_draw_separation(
+                recording=self.recording, times_s=times_s, file=self.folder / f"separation{self.suffix}"
+            )
+        return [] if drawn is None else [drawn]
+
     def draw_sheet(self, every_s: float, from_s: float, until_s: float) -> list[Path]:
         """Draw a contact sheet, a frame every ``every_s`` of a span, seconds from the start.
 

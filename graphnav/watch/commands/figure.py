@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from graphnav import UserError
 from graphnav.core.api import Shared
@@ -13,6 +14,9 @@ from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, many
 from graphnav.watch.commands.options import FROM_S, TO_S
 from graphnav.watch.commands.quantities import log_time, period
+
+if TYPE_CHECKING:
+    from graphnav.core.report import LogPictures
 
 _PICTURE_FORMATS = ("png", "svg", "pdf")
 
@@ -29,6 +33,11 @@ _PICTURE_FORMATS = ("png", "svg", "pdf")
         help="the panels of the frame at T (12.3s) instead; may be given several times",
     ),
     flag("rows", "--rows", "with --at: one picture of these frames, a row of panels each"),
+    flag(
+        "separation",
+        "--separation",
+        "with --at: one picture of these frames, a row each: image, flow, component, dominant plane",
+    ),
     Parameter(
         "every_s",
         "--every",
@@ -55,10 +64,7 @@ def main(args: CommandArguments) -> int:
     from graphnav.core.report import LogPictures, removed_if_empty
     from graphnav.watch.loginfo import unfinished
 
-    if args.every_s is None and (args.from_s >= 0 or args.until_s < math.inf):
-        raise UserError.of("--from and --until are for a contact sheet", "add --every 0.5s, or leave them out")
-    if args.rows and not args.times_s:
-        raise UserError.of("--rows is for frames of given times", "add --at 2s --at 4s, or leave it out")
+    _check(args)
     log = find_log(args.log)
     if notice := unfinished(log):
         print_notice(f"{log}: {shown_name(notice)}; the pictures show the log up to there")
@@ -67,16 +73,8 @@ def main(args: CommandArguments) -> int:
     with opened(log, Catalog(args.trusted())) as recording, damage_told(recording):
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            drawn: list[Path] = []
-            pictures = LogPictures(catalog, recording, folder, f".{args.format}")
             with removed_if_empty(folder):
-                if args.times_s:
-                    draw = pictures.draw_rows if args.rows else pictures.draw_frames
-                    drawn += draw(args.times_s)
-                if args.every_s is not None:
-                    drawn += pictures.draw_sheet(args.every_s, args.from_s, args.until_s)
-                if (not args.times_s and args.every_s is None) or args.video:
-                    drawn += pictures.draw(video=args.video)
+                drawn = _draw(args, LogPictures(catalog, recording, folder, f".{args.format}"))
         except OSError as error:
             raise UserError.of(
                 f"cannot write into {folder}: {error.strerror}", "choose another folder with -o"
@@ -88,3 +86,28 @@ def main(args: CommandArguments) -> int:
     for damage in (*recording.damaged, *filter(None, [recording.truncated])):
         print_notice(f"{log}: {damage}; the pictures show the rest")
     return Exit.OK
+
+
+def _check(args: CommandArguments) -> None:
+    """Raise UserError for options that do not go together."""
+    if args.every_s is None and (args.from_s >= 0 or args.until_s < math.inf):
+        raise UserError.of("--from and --until are for a contact sheet", "add --every 0.5s, or leave them out")
+    for option, given in (("--rows", args.rows), ("--separation", args.separation)):
+        if given and not args.times_s:
+            raise UserError.of(f"{option} is for frames of given times", "add --at 2s --at 4s, or leave it out")
+
+
+def _draw(args: CommandArguments, pictures: LogPictures) -> list[Path]:
+    """Draw what the options ask for; return the files."""
+    drawn: list[Path] = []
+    if args.rows:
+        drawn += pictures.draw_rows(args.times_s)
+    if args.separation:
+        drawn += pictures.draw_separation(args.times_s)
+    if args.times_s and not (args.rows or args.separation):
+        drawn += pictures.draw_frames(args.times_s)
+    if args.every_s is not None:
+        drawn += pictures.draw_sheet(args.every_s, args.from_s, args.until_s)
+    if (not args.times_s and args.every_s is None) or args.video:
+        drawn += pictures.draw(video=args.video)
+    return drawn

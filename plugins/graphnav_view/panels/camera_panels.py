@@ -63,9 +63,18 @@ class Field(NamedTuple):
     step_px: int
 
 
-def show_vectors(axes: Axes, frame: Frame, field: Field) -> float:
-    """Draw a field in colour with arrows on it; return the length in full colour."""
-    full = flow_scale_px(field.uv, field.valid)
+def show_vectors(
+    axes: Axes, frame: Frame, field: Field, full: float | None = None, *, with_wheel: bool = True
+) -> float:
+    """Draw a field in colour with arrows on it and the colours of the directions; return the length in full colour.
+
+    Given this length, ``full``, longer vectors are drawn as long as it.
+    """
+    if full is None:
+        full = flow_scale_px(field.uv, field.valid)
+    else:
+        length = np.linalg.norm(field.uv, axis=-1, keepdims=True)
+        field = field._replace(uv=field.uv * (full / np.maximum(length, full)))
     axes.imshow(
         flow_rgb(field.uv, field.valid, full),
         extent=extent_px(field.valid.shape, field.step_px),
@@ -89,7 +98,8 @@ def show_vectors(axes: Axes, frame: Frame, field: Field) -> float:
         headwidth=3.6,
         headlength=4.2,
     )
-    _wheel(axes)
+    if with_wheel:
+        _wheel(axes)
     return full
 
 

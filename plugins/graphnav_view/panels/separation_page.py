@@ -16,9 +16,9 @@ from graphnav_view.panels import camera_panels
 from graphnav_view.panels.camera_panels import Field, extent_px, hatch_unjudged, over_picture, show_vectors
 from graphnav_view.panels.keyframe import Frame, frame_at, keyframe_utime
 from graphnav_view.panels.panel_page import Panel, draw_page
+from graphnav_view.panels.separated import NAMES
 from graphnav_view.signals import Signals
 
-NAMES = ("v$_α$", "v$_β$")
 COLOURS = ("#7a5195", "#e07a1f")
 _POINTS = "#27476e"
 _MAX_POINTS = 1500

@@ -30,12 +30,12 @@ def test_a_run_with_components_has_a_picture_of_them(
     assert str(tmp_path / "components.png") in capsys.readouterr().out.split()
 
 
-def test_a_frame_with_components_has_two_pictures(
+def test_a_frame_with_components_has_two_more_pictures(
     literal: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["figure", str(literal), "--at", "0.5s", "-o", str(tmp_path)]) == 0
     written = capsys.readouterr().out.split()
-    assert written == [str(tmp_path / f"{name}_0.50s.png") for name in ("panels", "components")]
+    assert written == [str(tmp_path / f"{name}_0.50s.png") for name in ("panels", "components", "norms")]
 
 
 def test_the_mixtures_are_drawn_from_the_components(literal: Path) -> None:
