@@ -14,8 +14,8 @@ from graphnav_view.panels.camera_panels import Field
 
 Values = npt.NDArray[np.floating[Any]]
 NAMES = ("v$_α$", "v$_β$")
-_MOST = 0.5
-"""Share of its pixels that makes a cell ground or obstacle."""
+_MIN_SHARE = 0.5
+"""Of its pixels, above which a cell is ground or obstacle."""
 
 
 def component_px(components: Components, which: int) -> Field:
@@ -51,7 +51,7 @@ def kinds_of(truth: Truth | None, grid: Components | Plane) -> Kinds:
         return Kinds(nothing, nothing)
     is_obstacle = truth.obstacle != 0
     is_ground = ~is_obstacle & np.isfinite(truth.depth_m)
-    ground, obstacle = (block_mean(kind.astype(np.float32), factor) > _MOST for kind in (is_ground, is_obstacle))
+    ground, obstacle = (block_mean(kind.astype(np.float32), factor) > _MIN_SHARE for kind in (is_ground, is_obstacle))
     return Kinds(ground, obstacle) if ground.shape == shape else Kinds(nothing, nothing)
 
 
