@@ -197,6 +197,26 @@ def test_a_table_is_made_from_the_results_and_noticed_when_it_is_not_fresh(folde
     assert not list(problems(page, folder))
 
 
+def test_a_variant_is_compared_with_itself_under_another_condition(results: ShippedResults) -> None:
+    def bright(row: dict[str, str]) -> dict[str, str]:
+        arrives = row["variant"] == "ica" and row["seed"] in "0123"
+        return {**row, "condition": "bright", "drive.success": str(float(arrives)) if row["drive.success"] else ""}
+
+    both = ShippedResults("small", (*results.rows, *(bright(dict(row)) for row in results.rows)))
+    of_both = 'at="bright", since="dim"'
+    for expression in (
+        'arrivals("bend", "ica") == "8 / 4"',
+        f'change("bend", "ica", "drive.success", 2, {of_both}) == "-0.40 [-0.69, +0.02]"',
+        f'change_of_all("ica", "drive.success", 1, {of_both}) == "-0.4 [-0.7, +0.0]"',
+        f'not changes("bend", "ica", "drive.success", {of_both})',
+        f'not changes_of_all("blind", "drive.success", {of_both})',
+        f'unchanged("bend", "ica", {of_both}) == 6 and unchanged_of_all("blind", {of_both}) == 10',
+        'arrive_of_all("ica", at="bright") == 4 and runs_of("ica", at="bright") == 10',
+        f'change("bend", "ica", "drive.success", 2, {of_both}, modulo=5) == "-0.40 [-0.68, -0.12]"',
+    ):
+        assert evaluate(expression, both) is True, expression
+
+
 @pytest.mark.parametrize(
     ("body", "header", "first"),
     [

@@ -29,6 +29,11 @@ def arrive(results: ShippedResults, graph: str, variant: str, *, at: str = "") -
     return sum(value == 1.0 for value in results.values(Cell(graph, variant, at), SUCCESS).values())
 
 
+def arrivals(results: ShippedResults, graph: str, variant: str) -> str:
+    """Return in how many worlds it arrived under each condition, in their order."""
+    return " / ".join(str(arrive(results, graph, variant, at=at)) for at in results.conditions(graph))
+
+
 def outcomes(results: ShippedResults, graph: str, variant: str, outcome: str, *, at: str = "") -> int:
     """Return how many drives ended so: goal, contact, timeout, end, failed."""
     return sum(row["outcome"] == outcome for row in results.runs(Cell(graph, variant, at)))
@@ -99,6 +104,37 @@ def apart(results: ShippedResults, graph: str, a: str, b: str, metric: str = SUC
     return _is_apart(_difference(results, Cell(graph, a, at), Cell(graph, b, at), metric))
 
 
+def change(
+    results: ShippedResults,
+    graph: str,
+    variant: str,
+    metric: str,
+    digits: int,
+    *,
+    at: str,
+    since: str,
+    modulo: int = 0,
+) -> str:
+    """Return by how much a variant's metric is higher under one condition than under another, as it is printed.
+
+    With its 95 % interval; ``modulo``: see `interval`.
+    """
+    return _shown(_change(results, graph, variant, metric, at, since, modulo), digits)
+
+
+def changes(
+    results: ShippedResults, graph: str, variant: str, metric: str, *, at: str, since: str, modulo: int = 0
+) -> bool:
+    """Return whether a variant is told apart from itself under another condition, as the only question asked."""
+    return _is_apart(_change(results, graph, variant, metric, at, since, modulo))
+
+
+def unchanged(results: ShippedResults, graph: str, variant: str, metric: str = SUCCESS, *, at: str, since: str) -> int:
+    """Return in how many worlds a variant has the same value under two conditions."""
+    first, second = results.paired(Cell(graph, variant, at), Cell(graph, variant, since), metric)
+    return int((first == second).sum())
+
+
 def clear(results: ShippedResults, graph: str, variant: str, metric: str = SUCCESS, *, at: str = "") -> bool:
     """Return whether a variant differs from the base as the bold ones of ``table.md`` do, with all others considered.
 
@@ -149,24 +185,39 @@ def graphs_alike(results: ShippedResults, a: str, b: str, metric: str = SUCCESS)
     return sum(alike(results, graph, a, b, metric) == worlds(results, graph, a) for graph in results.graphs)
 
 
-def arrive_of_all(results: ShippedResults, variant: str) -> int:
+def arrive_of_all(results: ShippedResults, variant: str, *, at: str = "") -> int:
     """Return how many drives of a variant arrived, on all graphs."""
-    return sum(arrive(results, graph, variant) for graph in results.graphs)
+    return sum(arrive(results, graph, variant, at=at) for graph in results.graphs)
 
 
-def runs_of(results: ShippedResults, variant: str) -> int:
+def runs_of(results: ShippedResults, variant: str, *, at: str = "") -> int:
     """Return how many drives a variant made, on all graphs."""
-    return sum(worlds(results, graph, variant) for graph in results.graphs)
+    return sum(worlds(results, graph, variant, at=at) for graph in results.graphs)
+
+
+def change_of_all(results: ShippedResults, variant: str, metric: str, digits: int, *, at: str, since: str) -> str:
+    """Return `change` over the worlds of all graphs."""
+    return _shown(_of_all(results, (variant, at), (variant, since), metric), digits)
+
+
+def changes_of_all(results: ShippedResults, variant: str, metric: str, *, at: str, since: str) -> bool:
+    """Return `changes` over the worlds of all graphs."""
+    return _is_apart(_of_all(results, (variant, at), (variant, since), metric))
+
+
+def unchanged_of_all(results: ShippedResults, variant: str, metric: str = SUCCESS, *, at: str, since: str) -> int:
+    """Return in how many worlds of all graphs a variant has the same value under two conditions."""
+    return sum(unchanged(results, graph, variant, metric, at=at, since=since) for graph in results.graphs)
 
 
 def difference_of_all(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> float:
     """Return the mean of ``a - b`` over the worlds of all graphs."""
-    return _of_all(results, a, b, metric).mean
+    return _of_all(results, (a, ""), (b, ""), metric).mean
 
 
 def apart_of_all(results: ShippedResults, a: str, b: str, metric: str = SUCCESS) -> bool:
     """Return whether two variants are told apart over the worlds of all graphs, as the only question asked."""
-    return _is_apart(_of_all(results, a, b, metric))
+    return _is_apart(_of_all(results, (a, ""), (b, ""), metric))
 
 
 def n_graphs(results: ShippedResults) -> int:
@@ -184,21 +235,25 @@ def rounded(_: ShippedResults, value: float, digits: int) -> float:
     return round(value, digits)
 
 
-def _of_all(results: ShippedResults, a: str, b: str, metric: str) -> Difference:
-    """Return how two variants differ over the worlds of all graphs."""
+def _of_all(results: ShippedResults, a: tuple[str, str], b: tuple[str, str], metric: str) -> Difference:
+    """Return how two variants, each under a condition, differ over the worlds of all graphs."""
     this, that = (
         {
             place * _MAX_SEEDS + seed: value
             for place, graph in enumerate(results.graphs)
-            for seed, value in results.values(Cell(graph, variant), metric).items()
+            for seed, value in results.values(Cell(graph, *one), metric).items()
         }
-        for variant in (a, b)
+        for one in (a, b)
     )
     binary = results.is_binary(metric)
     found = of_worlds(this, that, "higher", is_binary=binary, min_difference=results.min_difference(metric))
     if found is None:
         raise NotMeasuredError.of(f"'{a}' and '{b}' have no world in common with '{metric}'", "compare others")
     return found
+
+
+def _shown(found: Difference, digits: int) -> str:
+    return f"{found.mean:+.{digits}f} [{found.low:+.{digits}f}, {found.high:+.{digits}f}]"
 
 
 def _is_apart(found: Difference) -> bool:
@@ -222,6 +277,17 @@ def _difference(results: ShippedResults, cell: Cell, base: Cell, metric: str) ->
     return found
 
 
+def _change(
+    results: ShippedResults, graph: str, variant: str, metric: str, at: str, since: str, modulo: int
+) -> Difference:
+    now, then = (_by_world(_by_seed(results, graph, variant, metric, one), modulo) for one in (at, since))
+    binary = results.is_binary(metric) and not modulo
+    found = of_worlds(now, then, "higher", is_binary=binary, min_difference=results.min_difference(metric))
+    if found is None:
+        raise _nothing_in_common(Cell(graph, variant, at), Cell(graph, variant, since), metric)
+    return found
+
+
 def _nothing_in_common(cell: Cell, other: Cell, metric: str) -> UserError:
     return NotMeasuredError.of(f"{cell} and {other} have no world in common with '{metric}'", "compare others")
 
@@ -234,12 +300,18 @@ def _mean(
     results: ShippedResults, graph: str, variant: str, metric: str, at: str, modulo: int
 ) -> tuple[float, Interval]:
     """Return the mean and its interval; ``modulo``: see `interval`."""
-    found = _by_seed(results, graph, variant, metric, at)
-    of_world: dict[int, list[float]] = {}
-    for seed, value in found.items():
-        of_world.setdefault(seed % modulo if modulo else seed, []).append(value)
-    values = np.array([np.mean(one) for one in of_world.values()])
+    values = np.array(list(_by_world(_by_seed(results, graph, variant, metric, at), modulo).values()))
     return float(np.mean(values)), mean_interval(values, is_binary=results.is_binary(metric) and not modulo)
+
+
+def _by_world(by_seed: Mapping[int, float], modulo: int) -> Mapping[int, float]:
+    """Return the mean of each world's seeds; ``modulo``: see `interval`."""
+    if not modulo:
+        return by_seed
+    of_world: dict[int, list[float]] = {}
+    for seed, value in by_seed.items():
+        of_world.setdefault(seed % modulo, []).append(value)
+    return {world: float(np.mean(values)) for world, values in of_world.items()}
 
 
 def _by_seed(results: ShippedResults, graph: str, variant: str, metric: str, at: str) -> Mapping[int, float]:
@@ -252,6 +324,7 @@ def _by_seed(results: ShippedResults, graph: str, variant: str, metric: str, at:
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "worlds": worlds,
     "arrive": arrive,
+    "arrivals": arrivals,
     "outcomes": outcomes,
     "mean": mean,
     "total": total,
@@ -262,6 +335,9 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "difference": difference,
     "alike": alike,
     "apart": apart,
+    "change": change,
+    "changes": changes,
+    "unchanged": unchanged,
     "clear": clear,
     "ahead": ahead,
     "graphs_above": graphs_above,
@@ -272,6 +348,9 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "runs_of": runs_of,
     "difference_of_all": difference_of_all,
     "apart_of_all": apart_of_all,
+    "change_of_all": change_of_all,
+    "changes_of_all": changes_of_all,
+    "unchanged_of_all": unchanged_of_all,
     "n_graphs": n_graphs,
     "n_runs": n_runs,
     "round": rounded,
