@@ -35,9 +35,28 @@ CONTACT_METRICS = (
         "nothing that moves.",
         bounds=(0.0, 1.0),
     ),
+    Metric(
+        "drove_into",
+        better="lower",
+        min_difference=0.05,
+        help="1 if the robot was at fault and what moves brought no more than 0.05 m/s, along the line of contact: it "
+        "would not have touched a robot that stood; else 0. Of the contacts with what moves, those at fault and not of "
+        "this kind are by both, and those not at fault are those in which the robot was run into. Left out where the "
+        "map has nothing that moves.",
+        bounds=(0.0, 1.0),
+    ),
+    Metric(
+        "own_share",
+        better="lower",
+        min_difference=0.05,
+        help="Share of the speed at which the two closed, along the line of contact, that was the robot's own: 1 if it "
+        "drove into what stood or went away, 0 if it stood or drove away; left out without a contact with what moves.",
+        bounds=(0.0, 1.0),
+    ),
 )
 AT_FAULT_MPS = 0.05
-"""A robot that drives towards a mover faster than this when they touch could have stopped."""
+"""A robot that drives towards a mover faster than this when they touch could have stopped; a mover that comes no faster
+would not have touched it if it had."""
 
 
 class FirstContact:
@@ -46,12 +65,14 @@ class FirstContact:
     What was touched is the body nearest to the robot's centre there. A mover goes on between the contact and the stamp
     of that state: of its way since the state before, the place nearest to the robot counts. The speeds that close are
     along the line from the mover's nearest point to the robot's centre: the robot's as in the state before, because
-    the contact ends its motion, the mover's as the mean since then.
+    the contact ends its motion, the mover's as the mean since then. So a robot that brakes counts as fast as it was
+    up to one state earlier.
     """
 
     def __init__(self) -> None:
         self._before: tuple[State, float] | None = None
-        self._has_touched = self._hit_mover = self._hit_by_mover = self._at_fault = False
+        self._has_touched = self._hit_mover = False
+        self._robot_mps = self._mover_mps = 0.0
 
     def add(self, state: State, world: Map | None, time_s: float) -> None:
         """Look at the next state."""
@@ -64,11 +85,16 @@ class FirstContact:
         """Return the metrics of the drive so far, none where nothing moves."""
         if world is None or Map.MOVING not in world.kind:
             return {}
-        return {
+        robot_mps, mover_mps = self._robot_mps, self._mover_mps
+        at_fault = robot_mps > AT_FAULT_MPS
+        values = {
             "hit_mover": float(self._hit_mover),
-            "hit_by_mover": float(self._hit_by_mover),
-            "at_fault": float(self._at_fault),
+            "hit_by_mover": float(mover_mps > robot_mps),
+            "at_fault": float(at_fault),
+            "drove_into": float(at_fault and mover_mps <= AT_FAULT_MPS),
         }
+        closing_mps = max(robot_mps, 0.0) + max(mover_mps, 0.0)
+        return {**values, "own_share": max(robot_mps, 0.0) / closing_mps} if closing_mps else values
 
     def _judge(self, state: State, world: Map, time_s: float) -> None:
         before, before_s = self._before or (state, time_s)
@@ -81,11 +107,9 @@ class FirstContact:
             return
         mover = int((world.kind[:body] == Map.MOVING).sum())
         towards = to_robot_m / distance_m
-        mover_mps = (state.moving[mover, :2] - before.moving[mover, :2]) @ towards / interval_s
+        self._mover_mps = float((state.moving[mover, :2] - before.moving[mover, :2]) @ towards / interval_s)
         heading = np.array([math.cos(before.yaw_rad), math.sin(before.yaw_rad)])
-        robot_mps = -before.v_mps * heading @ towards
-        self._hit_by_mover = bool(mover_mps > robot_mps)
-        self._at_fault = bool(robot_mps > AT_FAULT_MPS)
+        self._robot_mps = float(-before.v_mps * heading @ towards)
 
 
 def _agree(world: Map, state: State) -> bool:

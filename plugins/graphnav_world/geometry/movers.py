@@ -7,8 +7,9 @@ from typing import Protocol
 
 from graphnav_world.geometry.crossing import Crossing, Pair
 from graphnav_world.geometry.patrol import Patrol
+from graphnav_world.geometry.polynomial_path import PolynomialPath
 
-Course = Patrol | Crossing
+Course = Patrol | Crossing | PolynomialPath
 """How an obstacle moves, as a map says it; it is the same in all drives."""
 
 

@@ -22,7 +22,7 @@ GOAL_M = 0.5
 class Corridor:
     """Parts of a map. ``start``: x_m, y_m, yaw_rad. ``goal_m``: an outline across the corridor, empty without one.
 
-    A world of BARN has cylinders as its walls, and a goal beyond them.
+    Worlds of BARN and of moving cylinders have those as walls, and a goal beyond them.
     """
 
     walls: list[Body]

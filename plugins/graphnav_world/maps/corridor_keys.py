@@ -10,6 +10,7 @@ from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M
 MAX_CORNERS = 20
 MAX_CORNER_DEG = 135.0
 N_WORLDS = 300
+N_MOVING_WORLDS = 60
 
 
 class Walled(Record):
@@ -115,6 +116,40 @@ class BarnKeys(Record):
 
     world: Range[int] | None = key(
         None, ge=0, le=N_WORLDS - 1, doc="its number; without it the seed of the run, modulo 300"
+    )
+    height_m: Range[float] = key(Range(1.0, 1.0), gt=0.0, le=MAX_M, doc="of the cylinders above the floor")
+    texture: str = key("obstacle", doc="of the cylinders: one of `textures`, or floor, wall or obstacle")
+
+
+class BarnMovingKeys(Record):
+    """One of sixty worlds of cylinders that move on polynomials: it brings them, the start and the goal, but no wall.
+
+    The robot starts at (-2.25, 3) and looks along y; the goal is the circle of 1 m around (-2.25, 13), as in a world of
+    `barn`. The cylinders have a radius of 0.25 m and stay, whole, in the field between, from x = -4.5 to 0 and from
+    y = 4.5 to 11.5. Each goes to and fro between two opposite sides of the field, on the graph of a polynomial through
+    random points, and through other cylinders; its speed rises and falls as a sine, and near both ends it slows down
+    and turns back. Where it is depends on time alone.
+
+    Worlds 0 to 19 are easy, 20 to 39 medium, 40 to 59 hard: 3 to 6, 5 to 9 or 8 to 12 cylinders on polynomials of order
+    1 to 2, 2 to 4 or 3 to 6, with a mean speed of 0.1 to 0.3, 0.3 to 0.6 or 0.6 to 1.0 m/s, and a standard deviation of
+    at most 0.05, 0.15 or 0.3 m/s. All of that is the world's number; the seed of the run draws only the surfaces.
+
+    The method is that of A. Nair, F. Jiang, K. Hou, Z. Xu, S. Li, X. Xiao and P. Stone, DynaBARN: Benchmarking Metric
+    Ground Navigation in Dynamic Environments, SSRR 2022; the worlds are not theirs.
+    """
+
+    noun = "a world of moving cylinders"
+    example = """
+    barn_moving: {}                 # the world whose number the seed of the run is; from 60 on, the rest by 60
+    barn_moving: {world: 49}
+    barn_moving: {collection: 1}    # sixty other worlds, for tuning
+    """
+
+    world: Range[int] | None = key(
+        None, ge=0, le=N_MOVING_WORLDS - 1, doc="its number; without it the seed of the run, modulo 60"
+    )
+    collection: Range[int] = key(
+        Range(0, 0), ge=0, le=1_000_000, doc="which sixty worlds; results are reported on those of 0, so tune on others"
     )
     height_m: Range[float] = key(Range(1.0, 1.0), gt=0.0, le=MAX_M, doc="of the cylinders above the floor")
     texture: str = key("obstacle", doc="of the cylinders: one of `textures`, or floor, wall or obstacle")

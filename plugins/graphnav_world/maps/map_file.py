@@ -12,9 +12,10 @@ from graphnav import Place, did_you_mean
 from graphnav.arrays import Doubles
 from graphnav_world.geometry.scene import Body
 from graphnav_world.maps.barn import draw_barn
+from graphnav_world.maps.barn_moving import draw_barn_moving
 from graphnav_world.maps.body_keys import Obstacle, Pillars, Wall
 from graphnav_world.maps.corridor import Corridor, draw_corridor
-from graphnav_world.maps.corridor_keys import BarnKeys, Walled
+from graphnav_world.maps.corridor_keys import BarnKeys, BarnMovingKeys, Walled
 from graphnav_world.maps.draws import Draws
 from graphnav_world.maps.map_bodies import draw_obstacle, draw_wall
 from graphnav_world.maps.map_keys import MapKeys, PassageKeys, TextureKeys, View
@@ -31,7 +32,7 @@ TEXTURES = {
 }
 Pose = tuple[float, float, float]
 
-CORRIDORS = ("corridor", "zigzag", "ring", "barn")
+CORRIDORS = ("corridor", "zigzag", "ring", "barn", "barn_moving")
 """Keys of a map that bring what stands and the start; a map has one of them at most."""
 START_HINT = "add start: {at_m: [x, y], heading_deg: 0}"
 
@@ -101,6 +102,8 @@ def _corridor(draws: Draws, keys: MapKeys) -> Corridor | None:
         return draw_zigzag(draws, keys.zigzag)
     if keys.barn:
         return draw_barn(draws, keys.barn)
+    if keys.barn_moving:
+        return draw_barn_moving(draws, keys.barn_moving)
     return draw_ring(draws, keys.ring) if keys.ring else None
 
 
@@ -122,8 +125,8 @@ def _texture(draws: Draws, name: str, keys: TextureKeys) -> Texture:
 
 
 def _check_textures(draws: Draws, keys: MapKeys, known: Collection[str]) -> None:
-    textured: list[Wall | Obstacle | Pillars | Walled | BarnKeys | None] = [
-        *(keys.corridor, keys.zigzag, keys.ring, keys.barn, keys.pillars), *keys.walls, *keys.obstacles,
+    textured: list[Wall | Obstacle | Pillars | Walled | BarnKeys | BarnMovingKeys | None] = [
+        *(getattr(keys, name) for name in (*CORRIDORS, "pillars")), *keys.walls, *keys.obstacles,
     ]  # fmt: skip
     for one in textured:
         if one and one.texture not in known and not keys.written.has("textures", one.texture):

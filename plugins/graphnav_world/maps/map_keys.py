@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from graphnav import Range, Record, key
 from graphnav_world.maps.body_keys import Obstacle, Pillars, Region, Wall
-from graphnav_world.maps.corridor_keys import BarnKeys, CorridorKeys, RingKeys, ZigzagKeys
+from graphnav_world.maps.corridor_keys import BarnKeys, BarnMovingKeys, CorridorKeys, RingKeys, ZigzagKeys
 from graphnav_world.maps.shape_keys import MAX_DEG, MAX_M, Point
 
 MAX_GRAY = 1000.0
@@ -85,9 +85,9 @@ class PassageKeys(Record):
 
 
 class MapKeys(Record):
-    """Every key may be left out but `start`, and that too with a `corridor`, a `zigzag`, a `ring` or a world of `barn`.
+    """Every key may be left out but `start`, and that too where another key brings it.
 
-    A map has one of these four at most.
+    `corridor`, `zigzag`, `ring`, `barn` and `barn_moving` do; a map has one of these five at most.
     """
 
     noun = "a map"
@@ -99,6 +99,9 @@ class MapKeys(Record):
     zigzag: ZigzagKeys | None = key(None, doc="a corridor with sharp corners, with its start and its goal")
     ring: RingKeys | None = key(None, doc="a corridor without an end, with its start")
     barn: BarnKeys | None = key(None, doc="a world of the BARN challenge, with its start and its goal")
+    barn_moving: BarnMovingKeys | None = key(
+        None, doc="a world of cylinders that move on polynomials, with its start and its goal"
+    )
     walls: tuple[Wall, ...] = key((), doc="walls")
     obstacles: tuple[Obstacle, ...] = key((), doc="obstacles that stand or move")
     pillars: Pillars | None = key(None, doc="a field of round obstacles")
