@@ -13,7 +13,7 @@ from graphnav.core.stage import metrics_of
 METRICS = [metric for score in graphnav_stages() for metric in metrics_of(score).values()]
 
 LOWER = {"collision", "timeout", "path_length_m", "duration_s", "mean_jerk_mps3", "false_obstacle_ratio"}
-LOWER |= {"hit_mover", "hit_by_mover", "at_fault", "arrival_s"}
+LOWER |= {"hit_mover", "hit_by_mover", "at_fault", "drove_into", "own_share", "arrival_s"}
 LOWER |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad", "never_sighted_ratio", "mean_sighting_delay_m"}
 LOWER |= {"mean_time_to_react_s", "unjudged_obstacle_ratio"}
 NEITHER = {"frames", "counted_frames_ratio", "median_variance_ratio", "alpha_taken_ratio", "obstacles", "reacted_ratio"}

@@ -96,4 +96,53 @@ def test_who_ran_into_whom(
 def test_where_nothing_moves_it_is_left_out(tmp_path: Path) -> None:
     metrics = metrics_of(Pymunk(map=a_map(tmp_path, WALL), **QUICK), 0.4, 100_000)
     assert metrics["collision"] == 1
-    assert metrics.keys().isdisjoint({"hit_mover", "hit_by_mover", "at_fault"})
+    assert metrics.keys().isdisjoint({"hit_mover", "hit_by_mover", "at_fault", "drove_into", "own_share"})
+
+
+AWAY = "{circle: {center_m: [1, 0], radius_m: 0.2}, moves: {through_m: [[9, 0]], speed_mps: 0.1}}"
+FROM_BEHIND = "{circle: {center_m: [-1, 0], radius_m: 0.2}, moves: {through_m: [[9, 0]], speed_mps: 0.4}}"
+
+
+@pytest.mark.parametrize(("world", "period_us", "more"), WORLDS, ids=["pymunk", "robot"])
+@pytest.mark.parametrize(
+    ("obstacles", "v_mps", "fault", "own_share"),
+    [
+        ([towards(0.0)], 0.4, "drove into", 1.0),
+        ([AWAY], 0.4, "drove into", 1.0),
+        ([towards(0.4)], 0.0, "was run into", 0.0),
+        ([FROM_BEHIND], 0.1, "was run into", 0.0),
+        ([towards(0.4)], 0.04, "was run into", 0.04 / 0.44),
+        ([towards(0.4)], 0.4, "both", 0.5),
+        ([towards(0.1)], 0.4, "both", 0.8),
+        ([towards(0.04)], 0.4, "drove into", 0.4 / 0.44),
+        ([WALL, ASIDE], 0.4, "not a mover", None),
+    ],
+    ids=[
+        "it stands",
+        "it goes away",
+        "robot stands",
+        "robot drives away",
+        "creeps",
+        "head-on",
+        "faster",
+        "slow",
+        "wall",
+    ],
+)
+def test_whose_fault_a_contact_is(
+    obstacles: list[str],
+    v_mps: float,
+    fault: str,
+    own_share: float | None,
+    world: type[Pymunk | Robot],
+    period_us: int,
+    more: dict[str, Any],
+    tmp_path: Path,
+) -> None:
+    metrics = metrics_of(world(map=a_map(tmp_path, *obstacles), **QUICK, **more), v_mps, period_us)
+    faults = {(0, 0, 0): "not a mover", (1, 1, 1): "drove into", (1, 0, 0): "was run into", (1, 1, 0): "both"}
+    assert faults[int(metrics["hit_mover"]), int(metrics["at_fault"]), int(metrics["drove_into"])] == fault
+    if own_share is None:
+        assert "own_share" not in metrics
+    else:
+        assert metrics["own_share"] == pytest.approx(own_share, abs=0.01)
