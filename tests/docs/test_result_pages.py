@@ -45,6 +45,7 @@ def results(folder: Path) -> ShippedResults:
         'arrive("bend", "ica") == 8',
         'worlds("bend", "ica") == 10',
         'outcomes("bend", "blind", "contact") == 10',
+        'total("bend", "ica", "drive.success") == 8 and total("bend", "ica", "drive.success", first=5, last=8) == 3',
         'arrive("bend", "broken") == 0',
         'round(mean("bend", "ica", "sight.auroc"), 2) == 0.9',
         'difference("bend", "ica", "blind", "drive.success") == 0.8',

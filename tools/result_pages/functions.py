@@ -44,9 +44,18 @@ def mean(results: ShippedResults, graph: str, variant: str, metric: str, *, at: 
     return float(_values(results, graph, variant, metric, at).mean())
 
 
-def total(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
-    """Return the sum over the worlds that have a metric: of one that is 0 or 1, how many."""
-    return float(_values(results, graph, variant, metric, at).sum())
+def total(
+    results: ShippedResults,
+    graph: str,
+    variant: str,
+    metric: str,
+    *,
+    at: str = "",
+    first: int = 0,
+    last: int = _MAX_SEEDS,
+) -> float:
+    """Return the sum over the worlds that have a metric, from seed to seed: of one that is 0 or 1, how many."""
+    return sum(value for seed, value in _by_seed(results, graph, variant, metric, at).items() if first <= seed <= last)
 
 
 def lowest(results: ShippedResults, graph: str, variant: str, metric: str, *, at: str = "") -> float:
