@@ -105,11 +105,10 @@ def within(series: Doubles, low: float, high: float) -> Doubles:
     turns = chebyshev.chebroots(chebyshev.chebder(series)) if len(series) > 2 else np.zeros(0)
     turns = turns.real[(np.abs(turns.imag) < 1e-9) & (np.abs(turns.real) < 1.0)]
     values = chebyshev.chebval(np.concatenate([[-1.0, 1.0], turns]), series)
-    least, most = values.min(), values.max()
-    if low <= least and most <= high:
+    min_value, max_value = values.min(), values.max()
+    if low <= min_value and max_value <= high:
         return series
-    scale = (high - low) / (most - least) if most - least > high - low else 1.0
+    scale = min(1.0, (high - low) / (max_value - min_value))
     scaled: Doubles = series * scale
-    least, most = least * scale, most * scale
-    scaled[0] += max(low - least, 0.0) - max(most - high, 0.0)
+    scaled[0] += max(low - min_value * scale, 0.0) - max(max_value * scale - high, 0.0)
     return scaled

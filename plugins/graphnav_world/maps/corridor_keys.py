@@ -125,7 +125,7 @@ class BarnMovingKeys(Record):
     """One of sixty worlds of cylinders that move on polynomials: it brings them, the start and the goal, but no wall.
 
     The robot starts at (-2.25, 3) and looks along y; the goal is the circle of 1 m around (-2.25, 13), as in a world of
-    `barn`. The cylinders have a radius of 0.25 m and stay, whole, in the field between, from x = -4.5 to 0 and from
+    `barn`. The cylinders have a radius of 0.25 m and stay entirely in the field between, from x = -4.5 to 0 and from
     y = 4.5 to 11.5. Each goes to and fro between two opposite sides of the field, on the graph of a polynomial through
     random points, and through other cylinders; its speed rises and falls as a sine, and near both ends it slows down
     and turns back. Where it is depends on time alone.
