@@ -38,6 +38,13 @@ class Prepared(Stage):
     crop_ratio: tuple[float, float, float, float] | None = param(
         None, ge=0.0, le=1.0, doc="the same as shares of the picture's columns and rows, such as [0, 0.4, 1, 1]"
     )
+    crop_top_ratio: float = param(
+        0.0,
+        ge=0.0,
+        lt=1.0,
+        doc="share of the rotated picture's rows to crop at the top and nothing else: what a forward camera sees above "
+        "the ground",
+    )
     size: tuple[int, int] | None = param(
         None, ge=1, le=16384, doc="columns and rows to resize the cropped picture to; null keeps the size"
     )
@@ -54,6 +61,10 @@ class Prepared(Stage):
             yield ParamError("scale", f"'scale' is {self.scale:g}, but 'size' is given too", "remove one of them")
         if self.crop_px is not None and self.crop_ratio is not None:
             yield ParamError("crop_px", "'crop_px' and 'crop_ratio' are both given", "remove one of them")
+        for name, box in (("crop_px", self.crop_px), ("crop_ratio", self.crop_ratio)):
+            if box is not None and self.crop_top_ratio:
+                what = f"'crop_top_ratio' is {self.crop_top_ratio:g}, but '{name}' is given too"
+                yield ParamError("crop_top_ratio", what, f"set it to 0, or remove '{name}'")
         if self.size is not None and self.size[0] * self.size[1] > MAX_PIXELS:
             what = f"'size' is {list(self.size)}, which is more than {MAX_PIXELS // 10**6} million pixels"
             yield ParamError("size", what, "give fewer columns or rows")
@@ -87,7 +98,7 @@ class Prepared(Stage):
 
     def _remap(self) -> Remap:
         calibration = None if self.calibration is None else read_calibration(self.calibration)
-        return Remap(calibration, self.rotate_deg, self.crop_px, self.crop_ratio)
+        return Remap(calibration, self.rotate_deg, self.crop_px, self.crop_ratio, self.crop_top_ratio)
 
 
 class Preparation:
@@ -141,9 +152,10 @@ class Remap:
         rotate_deg: int,
         crop_px: tuple[int, int, int, int] | None,
         crop_ratio: tuple[float, float, float, float] | None,
+        crop_top_ratio: float,
     ) -> None:
         self._calibration, self._turns = calibration, rotate_deg // 90
-        self._crop_px, self._crop_ratio = crop_px, crop_ratio
+        self._crop_px, self._crop_ratio, self._crop_top_ratio = crop_px, crop_ratio, crop_top_ratio
         self._maps: Maps | None = None
 
     def apply(self, pixels: Bytes) -> Bytes:
@@ -155,7 +167,8 @@ class Remap:
             The picture does not have the size of the calibration, or the crop leaves it.
         """
         if self._calibration is None:
-            if not self._turns and self._crop_px is None and self._crop_ratio is None:
+            crops = self._crop_px is not None or self._crop_ratio is not None or self._crop_top_ratio > 0
+            if not self._turns and not crops:
                 return pixels
             return np.ascontiguousarray(self._moved(pixels))
         self._calibration.check_size(*pixels.shape[:2])
@@ -178,7 +191,11 @@ class Remap:
                 raise ParamError("crop_px", what, "keep right and bottom within it, or use 'crop_ratio'")
             return self._crop_px
         if self._crop_ratio is None:
-            return 0, 0, cols, rows
+            top = round(self._crop_top_ratio * rows)
+            if top == rows:
+                what = f"'crop_top_ratio' is {self._crop_top_ratio:g}, which leaves no pixel of {cols}x{rows}"
+                raise ParamError("crop_top_ratio", what, "crop less")
+            return 0, top, cols, rows
         sides = np.array([cols, rows, cols, rows])
         left, top, right, bottom = np.rint(np.array(self._crop_ratio) * sides).astype(int).tolist()
         if left >= right or top >= bottom:

@@ -80,6 +80,20 @@ def test_a_crop_keeps_its_box(box: dict[str, Any]) -> None:
     assert np.array_equal(prepared(picture(), **box), picture()[12:36, 16:48])
 
 
+@pytest.mark.parametrize(("ratio", "top"), [(0.0, 0), (0.25, 12), (0.4, 19), (0.97, 47), (1e-6, 0)])
+@pytest.mark.parametrize("channels", [1, 3])
+def test_a_share_of_the_rows_is_cropped_at_the_top(ratio: float, top: int, channels: int) -> None:
+    pixels = np.squeeze(np.stack([picture()] * channels, axis=-1))
+    assert np.array_equal(prepared(pixels, crop_top_ratio=ratio), pixels[top:])
+
+
+def test_the_top_is_that_of_the_rotated_and_undistorted_picture(calibrate: Callable[..., Path]) -> None:
+    assert np.array_equal(prepared(picture(), rotate_deg=90, crop_top_ratio=0.5), np.rot90(picture())[32:])
+    undistorted = prepared(picture(), calibration=calibrate())
+    assert np.array_equal(prepared(picture(), calibration=calibrate(), crop_top_ratio=0.5), undistorted[24:])
+    assert prepared(picture(), crop_top_ratio=0.5, size=(32, 12)).shape == (12, 32)
+
+
 def test_a_crop_is_of_the_rotated_picture_and_a_size_of_the_cropped_one() -> None:
     rotated = np.rot90(picture())
     cropped = prepared(picture(), rotate_deg=90, crop_px=(0, 10, 40, 60))
@@ -149,6 +163,14 @@ def test_two_crops_are_refused() -> None:
     assert (error.param, error.what) == ("crop_px", "'crop_px' and 'crop_ratio' are both given")
 
 
+@pytest.mark.parametrize("crop", [{"crop_px": (0, 0, 1, 1)}, {"crop_ratio": (0.0, 0.0, 1.0, 1.0)}])
+def test_a_crop_of_the_top_and_another_are_refused(crop: dict[str, Any]) -> None:
+    (name,) = crop
+    error = refusal(crop_top_ratio=0.4, **crop)
+    assert (error.param, error.what) == ("crop_top_ratio", f"'crop_top_ratio' is 0.4, but '{name}' is given too")
+    assert prepared(picture(), crop_top_ratio=0.0, **crop).size
+
+
 def test_an_empty_crop_is_refused() -> None:
     error = refusal(crop_ratio=(0.5, 0.5, 0.5, 1.0))
     assert (error.param, error.what) == ("crop_ratio", "'crop_ratio' is [0.5, 0.5, 0.5, 1.0], which is empty")
@@ -211,6 +233,7 @@ def test_sources_compare_the_first_picture_before_the_run(
         ({"calibration": calibrate(image_width=640, image_height=480)}, "calibration"),
         ({"crop_px": (0, 0, COLS + 1, ROWS)}, "crop_px"),
         ({"crop_ratio": (0.0, 0.0, 0.001, 1.0)}, "crop_ratio"),
+        ({"crop_top_ratio": 0.999}, "crop_top_ratio"),
     ):
         with pytest.raises(ParamError) as raised:
             source(path=folder, **parameters).check()
