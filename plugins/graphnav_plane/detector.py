@@ -19,15 +19,21 @@ MIN_VECTORS = 6
 MAX_INTERVAL_ERROR_RATIO = 0.01
 _NEXT = np.ones((3, 3), np.uint8)
 _NEIGHBOURS = 8
+LENGTH_FLOOR_PX = 1.0
+"""Added to the flow's length before scores are divided by it: what is left of a flow near zero is noise."""
 _BINS = 128
 """Of the histogram that the rule otsu splits."""
 
 
 class Detector(Stage):
-    """A stage that scores how far each cell is from moving like the ground, in pixels, and splits at a threshold."""
+    """A stage that scores how far each cell is from moving like the ground, and splits at a threshold.
+
+    The score is in pixels, or with ``threshold_ratio`` relative to the flow's length.
+    """
 
     rule: Rule = param(
-        "mad", doc="mad: mad_ratio times the median score; otsu: split the histogram; fixed: threshold_px"
+        "mad",
+        doc="mad: mad_ratio times the median score; otsu: split the histogram; fixed: threshold_px or threshold_ratio",
     )
     mad_ratio: float = param(4.0, gt=0.0, le=1e6, doc="rule mad: more marks fewer cells as obstacle")
     threshold_px: float = param(
@@ -36,6 +42,15 @@ class Detector(Stage):
         le=100_000.0,
         doc="rule fixed: the threshold. Other rules: its minimum, which should be the flow noise on a free floor, "
         "where every relative rule finds obstacles in the noise",
+    )
+    threshold_ratio: float | None = param(
+        None,
+        ge=0.0,
+        le=1e6,
+        doc="null: scores are in px. Else they are divided by the flow's length at the cell plus one pixel, so that "
+        "they are ratios, and in every rule this takes the place of threshold_px, which fits keep (0.2: obstacle is "
+        "where the ground's motion leaves more than a fifth of a long vector). For forward cameras, where flow and its "
+        "errors grow from the horizon to the wheels",
     )
     median_cells: int = param(
         1,
@@ -84,17 +99,20 @@ class Detector(Stage):
         return all_ground(cells.valid.shape, cells.step_px)
 
     def _remembered(self, left_px: Vectors, valid: Bools, cells: Flow) -> Floats:
-        """Return the residual lengths (rows, cols), 0 where not ``valid``, from this frame's and the last ones'.
+        """Return the scores (rows, cols), 0 where not ``valid``: the lengths of this frame's and the last residuals.
 
-        ``left_px``: (rows, cols, 2), finite where ``valid``.
+        With ``threshold_ratio`` they are relative to the flow's length. ``left_px``: (rows, cols, 2), finite where
+        ``valid``, as the vectors of ``cells`` are.
         """
         moved_cells = cells.uv_px / np.float32(cells.step_px)
         mean = self._memory.mean(left_px.astype(np.float32, copy=False), valid, moved_cells)
-        return np.abs(mean.view(np.complex64)[..., 0])
+        score: Floats = np.abs(mean.view(np.complex64)[..., 0])
+        return score if self.threshold_ratio is None else relative(score, valid, cells)
 
     def _plane(self, score: Floats, valid: Bools, step_px: int, *, converged: bool = True) -> Plane:
         """Return the plane of these scores (rows, cols), which must be 0 where not ``valid``."""
-        limit = threshold(self.rule, score[valid], self.mad_ratio, self.threshold_px)
+        minimum = self.threshold_px if self.threshold_ratio is None else self.threshold_ratio
+        limit = threshold(self.rule, score[valid], self.mad_ratio, minimum)
         is_obstacle = score > limit
         if self.edge_ratio:
             is_obstacle &= score > np.float32(self.edge_ratio) * cv2.dilate(score, _NEXT)
@@ -120,6 +138,14 @@ def all_ground(shape: tuple[int, ...], step_px: int) -> Plane:
     return Plane(obstacle=empty, score=empty.astype(np.float32), valid=empty, step_px=step_px, obstacle_ratio=0.0)
 
 
+def relative(score_px: Floats, valid: Bools, cells: Flow) -> Floats:
+    """Return scores (rows, cols) divided by the lengths of the flow's vectors plus a pixel, 0 where not ``valid``."""
+    vectors_px = np.ascontiguousarray(cells.uv_px, np.float32).view(np.complex64)[..., 0]
+    ratio = np.zeros_like(score_px)
+    np.divide(score_px, np.abs(vectors_px) + np.float32(LENGTH_FLOOR_PX), out=ratio, where=valid)
+    return ratio
+
+
 def compared(flow: Flow, planar: Planar) -> tuple[Flow, Bools]:
     """Return ``flow`` on the grid of ``planar`` and the cells in which both are valid.
 
@@ -143,33 +169,33 @@ def compared(flow: Flow, planar: Planar) -> tuple[Flow, Bools]:
     return cells, (cells.valid != 0) & (planar.planar_valid != 0)
 
 
-def kept_regions(is_obstacle: Bools, score: Floats, strong_px: float, min_cells: int) -> Bools:
+def kept_regions(is_obstacle: Bools, score: Floats, strong_score: float, min_cells: int) -> Bools:
     """Return the cells of the regions that count, (rows, cols).
 
     A region is connected over sides and corners. It counts if it has at least ``min_cells`` cells and one of them
-    scores more than ``strong_px`` (the second threshold of hysteresis [Canny: A computational approach to edge
+    scores more than ``strong_score`` (the second threshold of hysteresis [Canny: A computational approach to edge
     detection, 1986]).
     """
     count, labels, statistics, _ = cv2.connectedComponentsWithStats(
         is_obstacle.view(np.uint8), connectivity=_NEIGHBOURS
     )
     is_strong = np.zeros(count, np.bool_)
-    is_strong[labels[is_obstacle & (score > strong_px)]] = True
+    is_strong[labels[is_obstacle & (score > strong_score)]] = True
     counts = is_strong & (statistics[:, cv2.CC_STAT_AREA] >= min_cells)
     counts[0] = False
     return np.asarray(counts[labels])
 
 
-def threshold(rule: Rule, scores: npt.NDArray[np.floating], mad_ratio: float, min_px: float) -> float:
-    """Return the score above which a cell is obstacle, at least ``min_px``.
+def threshold(rule: Rule, scores: npt.NDArray[np.floating], mad_ratio: float, minimum: float) -> float:
+    """Return the score above which a cell is obstacle, at least ``minimum``.
 
-    ``scores``: (n,), deviations from the ground in px, none negative, so that their median is the median absolute
+    ``scores``: (n,), deviations from the ground, none negative, so that their median is the median absolute
     deviation (MAD). "mad": ``mad_ratio`` times it. "otsu": the split that maximizes the variance between both sides
-    [Otsu: A threshold selection method from gray-level histograms, 1979]. "fixed": ``min_px``.
+    [Otsu: A threshold selection method from gray-level histograms, 1979]. "fixed": ``minimum``.
     """
     if rule == "fixed" or not scores.size:
-        return min_px
-    return max(min_px, mad_ratio * _median(scores) if rule == "mad" else _otsu(scores))
+        return minimum
+    return max(minimum, mad_ratio * _median(scores) if rule == "mad" else _otsu(scores))
 
 
 def _median(scores: npt.NDArray[np.floating]) -> float:

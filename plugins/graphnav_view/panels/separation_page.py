@@ -151,7 +151,7 @@ def draw_score(axes: Axes, frame: Frame, plane: Plane) -> str:
     axes.imshow(plane.score, extent=extent, cmap="magma", vmin=0, vmax=top, interpolation="nearest", aspect="auto")
     hatch_unjudged(axes, plane)
     over_picture(axes, frame)
-    return f"dark: 0, bright: {top:.2g} px and more;\nobstacle above {plane.threshold:.2g} px"
+    return f"dark: 0, bright: {top:.2g} and more;\nobstacle above {plane.threshold:.2g}"
 
 
 def _signed(of_alpha: float, of_beta: float) -> str:
