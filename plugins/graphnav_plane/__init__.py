@@ -14,6 +14,7 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_plane.ica import Ica
     from graphnav_plane.learned import Learned
     from graphnav_plane.one_gain import OneGain
+    from graphnav_plane.prior import Prior
     from graphnav_plane.residual import Residual
     from graphnav_plane.row_line import RowLine
     from graphnav_plane.row_median import RowMedian
@@ -29,6 +30,7 @@ def graphnav_stages() -> list[type[Stage]]:
         Ica,
         Learned,
         OneGain,
+        Prior,
         Residual,
         RowLine,
         RowMedian,
