@@ -144,7 +144,9 @@ def _with_truth(graph: Path) -> Path:
 
 def _filmed(graph: Path, video: Path) -> Path:
     kept = _read(graph)
-    kept["stages"]["camera"]["with"]["path"] = str(video)
+    camera = kept["stages"]["camera"]["with"]
+    camera["path"] = str(video)
+    camera.pop("crop_top_ratio", None)  # this camera looks down, and former versions do not crop
     return _written(kept, graph, "film")
 
 
