@@ -12,8 +12,9 @@ from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body, Faces, faces_of
 from graphnav_world.rendering.atlas import Atlas, floor_texels
 from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.film import Film
 from graphnav_world.rendering.placed_faces import Placed
-from graphnav_world.rendering.render import Film, Frame, Renderer
+from graphnav_world.rendering.render import Frame, Renderer
 from graphnav_world.rendering.textures import Texture
 from taking_turns import Ratio, take_turns, timed
 
@@ -62,8 +63,8 @@ def measure(cols: int, rows: int, rounds: int = 60) -> RenderCost:
     def frame(x_m: float) -> Frame:
         then = Placed.at(camera, faces, x_m - 0.03, 0.0, -0.02)
         now = Placed.at(camera, faces, x_m, 0.0, 0.0)
-        made = renderer.render(now, then, film=film)
-        _ = made.depth_m, made.obstacle, made.flow_px  # computed where asked for
+        made = renderer.render(now, then)
+        _ = film.exposed(made.gray), made.depth_m, made.obstacle, made.flow_px  # computed where asked for
         return made
 
     before = frame(-0.03)
@@ -80,7 +81,7 @@ def measure(cols: int, rows: int, rounds: int = 60) -> RenderCost:
     }
     turns = take_turns(rivals, rounds, warm_up=3)
     cv2.setNumThreads(threads)
-    visible = len(np.unique(now.face[now.face >= 0]))
+    visible = len(np.unique(now.surface[now.surface >= 0]))
     return RenderCost(
         visible, 1e3 * turns.median("render"), 1e3 * turns.median("Farneback"), turns.ratio("render", "Farneback")
     )

@@ -21,8 +21,9 @@ from graphnav_mujoco.eye import MujocoFrame, eye_of
 from graphnav_mujoco.world import Mujoco
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
+from graphnav_world.rendering.film import Film
 from graphnav_world.rendering.placed_faces import Placed
-from graphnav_world.rendering.render import Film, Frame
+from graphnav_world.rendering.render import Frame
 from graphnav_world.world import Pymunk
 
 from graphnav import Latest, Stamp, Twist
@@ -67,7 +68,7 @@ def agreement(ours: Frame, other: MujocoFrame) -> Agreement:
         iou=int((one & two).sum()) / union if union else 1.0,
         depth_m=float(np.abs(ours.depth_m - other.depth_m)[both].max()),
         flow_px=float(np.linalg.norm(flows[0] - flows[1], axis=-1)[both].max()),
-        gray=float(np.abs(ours.pixels.astype(float) - other.pixels)[both].mean()),
+        gray=float(np.abs(ours.pixels.astype(float) - Film().exposed(other.gray))[both].mean()),
     )
 
 
@@ -90,7 +91,7 @@ class Both:
         )
         retina = self.other._retina  # noqa: SLF001
         assert retina is not None
-        return self.ours._renderer.render(*placed), retina.frame(now_eye, then_eye, [], Film(), has_truth=True)  # noqa: SLF001
+        return self.ours._renderer.render(*placed), retina.frame(now_eye, then_eye, [], None)  # noqa: SLF001
 
     def poses(self, count: int) -> list[Pose]:
         """Return random poses outside of all bodies, within 2.5 m of the start and on to the goal."""
@@ -138,7 +139,7 @@ def drawn(both: Both, pose: Pose) -> Bytes:
     """Return a row of pictures, gray: of each simulator what it shows and where it sees obstacles."""
     x, y, yaw = pose
     frames = both.frames(pose, (x - 0.03 * math.cos(yaw), y - 0.03 * math.sin(yaw), yaw))
-    tiles = [tile for frame in frames for tile in (frame.pixels, 255 * frame.obstacle)]
+    tiles = [tile for frame in frames for tile in (Film().exposed(frame.gray), 255 * frame.obstacle)]
     large = [cv2.resize(tile, None, fx=SCALE, fy=SCALE, interpolation=cv2.INTER_NEAREST) for tile in tiles]
     framed = [cv2.copyMakeBorder(tile, *(GAP_PX // 2,) * 4, cv2.BORDER_CONSTANT, value=(255,)) for tile in large]
     row: Bytes = np.hstack(framed).astype(np.uint8)

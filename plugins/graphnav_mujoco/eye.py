@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from graphnav_world.geometry.scene import SUN_W
 from graphnav_world.rendering.camera import Camera
-from graphnav_world.rendering.render import Film
 
 from graphnav.arrays import Bools, Bytes, Doubles, Floats, Ints
 from graphnav_mujoco import engine
@@ -48,9 +47,15 @@ class Buffers:
 
 @dataclass(frozen=True)
 class MujocoFrame:
-    """A picture and its truth. ``truth``: None where nothing reads it; ``before``: None for a first frame."""
+    """The gray values of some rows and their truth.
 
-    pixels: Bytes
+    ``gray``: float32 (rows, cols), the sum of all views. ``truth``: None where nothing reads it. ``before``: None for a
+    first frame.
+    """
+
+    gray: Floats
+    views: int
+    first_row: int
     truth: Buffers | None
     is_body: Bools
     mover_of_geom: Ints
@@ -61,6 +66,11 @@ class MujocoFrame:
     def _buffers(self) -> Buffers:
         assert self.truth is not None
         return self.truth
+
+    @property
+    def surface(self) -> Ints:
+        """The geom that each pixel shows, -1 for none."""
+        return self._buffers.geom
 
     @property
     def obstacle(self) -> Bytes:
@@ -83,7 +93,7 @@ class MujocoFrame:
         if self.before is None or self.truth is None:
             return None
         now, before = self.now, self.before
-        rays = now.camera.rays()
+        rays = now.camera.rays()[self.first_row : self.first_row + len(self.depth_m)]
         seen = np.isfinite(self.depth_m)
         depth = np.where(seen, self.depth_m, 1.0)
         points = (rays * depth[..., None]) @ now.R_WC.T + seen[..., None] * (now.center_W - before.center_W)
@@ -93,6 +103,7 @@ class MujocoFrame:
         points_C = points @ before.R_WC
         points_C[..., 2] = np.maximum(points_C[..., 2], NEAREST_RATIO * depth)
         rows, cols = np.indices(depth.shape)
+        rows += self.first_row
         flow: Floats = (np.stack([cols, rows], axis=-1) - before.camera.project(points_C)).astype(np.float32)
         return flow
 
@@ -107,14 +118,13 @@ class Retina:
     def __init__(self, model: Any, data: Any, camera: Camera, headroom: float, *, has_shadows: bool) -> None:
         self._mujoco = mujoco = engine.load()
         self._model, self._data, self._headroom = model, data, headroom
-        self._size = camera.rows, camera.cols
+        self._camera, self._rows = camera, range(camera.rows)
         self._gl = engine.new_context(camera.cols, camera.rows)
         self._gl.make_current()
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
         self._free = weakref.finalize(self, _free, self._context, self._gl)
-        self._rect = mujoco.MjrRect(0, 0, camera.cols, camera.rows)
         self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + 100)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = has_shadows
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
@@ -131,25 +141,32 @@ class Retina:
         self._mover_of_geom: Ints = np.array([*numbers, -1], np.int32)
 
     def frame(
-        self, now: Eye, before: Eye | None, meanwhile: Sequence[Eye], film: Film, *, has_truth: bool
+        self, now: Eye, before: Eye | None, meanwhile: Sequence[Eye] = (), rows: range | None = None
     ) -> MujocoFrame:
-        """Return the frame seen from ``now``, with the flow since ``before``; ``meanwhile``: as for `Renderer`."""
+        """Return the frame seen from ``now``, with truth and the flow since ``before`` if that is given.
+
+        ``meanwhile``, ``rows``: as for `Renderer`.
+        """
         self._gl.make_current()
-        gray = np.zeros(self._size, np.float32)
+        rows = rows or self._rows
+        gray = np.zeros((len(rows), self._camera.cols), np.float32)
         for moment in (*meanwhile, now):  # the buffers are those of the last one
-            self._place(moment)
-            gray += self._picture()
+            self._place(moment, rows)
+            gray += self._picture(gray.shape)
         gray *= np.float32(self._headroom)
-        truth = self._truth() if has_truth else None
-        pixels = film.exposed(gray, 1 + len(meanwhile))
-        return MujocoFrame(pixels, truth, self._is_body, self._mover_of_geom, now, before)
+        truth = None if before is None else self._truth(gray.shape)
+        views = 1 + len(meanwhile)
+        return MujocoFrame(gray, views, rows.start, truth, self._is_body, self._mover_of_geom, now, before)
 
     def close(self) -> None:
         """Free what OpenGL holds, as the end of the process does."""
         self._free()
 
-    def _place(self, eye: Eye) -> None:
-        """Put camera, lamp and moving bodies where they are at this moment; the state of the physics stays."""
+    def _place(self, eye: Eye, rows: range) -> None:
+        """Put camera, lamp and moving bodies where they are at this moment; the state of the physics stays.
+
+        The camera looks at some rows.
+        """
         mujoco, data = self._mujoco, self._data
         data.cam_xpos[0] = eye.center_W
         data.cam_xmat[0] = (eye.R_WC * _GL_FROM_C).reshape(-1)
@@ -165,22 +182,26 @@ class Retina:
         mujoco.mjv_updateScene(
             self._model, data, self._options, None, self._view, mujoco.mjtCatBit.mjCAT_ALL.value, self._scene
         )
+        if rows == self._rows:
+            return
+        middle, focal_px = (self._camera.rows - 1) / 2, self._camera.focal_px
+        for of_eye in self._scene.camera:
+            near = of_eye.frustum_near / focal_px
+            of_eye.frustum_top = (middle - rows.start + 0.5) * near
+            of_eye.frustum_bottom = (middle - rows.stop + 0.5) * near
 
-    def _picture(self) -> Bytes:
-        mujoco = self._mujoco
+    def _picture(self, size: tuple[int, ...]) -> Bytes:
         self._segments(0)
-        pixels = np.empty((*self._size, 3), np.uint8)
-        mujoco.mjr_render(self._rect, self._scene, self._context)
-        mujoco.mjr_readPixels(pixels, None, self._rect, self._context)
+        pixels = np.empty((*size, 3), np.uint8)
+        self._draw(pixels, None)
         picture: Bytes = pixels[::-1, :, GREEN]
         return picture
 
-    def _truth(self) -> Buffers:
+    def _truth(self, size: tuple[int, ...]) -> Buffers:
         mujoco = self._mujoco
         self._segments(1)
-        colors, depth = np.empty((*self._size, 3), np.uint8), np.empty(self._size, np.float32)
-        mujoco.mjr_render(self._rect, self._scene, self._context)
-        mujoco.mjr_readPixels(colors, depth, self._rect, self._context)
+        colors, depth = np.empty((*size, 3), np.uint8), np.empty(size, np.float32)
+        self._draw(colors, depth)
         geom_of_segment = np.full(self._scene.ngeom + 1, -1, np.int32)
         for shown in self._scene.geoms[: self._scene.ngeom]:
             if shown.segid >= 0 and shown.objtype == mujoco.mjtObj.mjOBJ_GEOM:
@@ -189,6 +210,13 @@ class Retina:
         # OpenGL's projection with the depth reversed: 1 is the near plane, 0 the far one
         depth_m = NEAR_M * FAR_M / (NEAR_M + depth[::-1].astype(np.float64) * (FAR_M - NEAR_M))
         return Buffers(geom, np.where(geom >= 0, depth_m, np.inf).astype(np.float32))
+
+    def _draw(self, colors: Bytes, depth: Floats | None) -> None:
+        """Draw the scene into colours, (rows, cols, 3), and its depth, lowest row first."""
+        mujoco = self._mujoco
+        rect = mujoco.MjrRect(0, 0, colors.shape[1], colors.shape[0])
+        mujoco.mjr_render(rect, self._scene, self._context)
+        mujoco.mjr_readPixels(colors, depth, rect, self._context)
 
     def _segments(self, flag: int) -> None:
         flags = self._mujoco.mjtRndFlag

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import cv2
 import numpy as np
 from graphnav_world.geometry.movers import movers_of
 from graphnav_world.painted_world import PaintedWorld
 from graphnav_world.rendering.camera import Camera
-from graphnav_world.rendering.exposure import moments
-from graphnav_world.rendering.render import Film
-from graphnav_world.simulation import AnyFrame
+from graphnav_world.rendering.exposure import driven
+from graphnav_world.rendering.sensor import AnyFrame
+from graphnav_world.simulation import Eyes
 from graphnav_world.slip import Slip
 from graphnav_world.vehicle import Base, Limits, Pose
 from graphnav_world.world import CameraWorld
@@ -95,7 +95,6 @@ class Mujoco(CameraWorld):
 
     def _paint(self, painted: PaintedWorld, seed: int) -> None:
         self._painted = painted
-        self._seen: Eye | None = None
         if not self._draws:
             super()._paint(painted, seed)
 
@@ -124,20 +123,27 @@ class Mujoco(CameraWorld):
             )
         return self._base
 
-    def _frame(self, camera: Camera, pose: Pose, time_s: float, film: Film) -> AnyFrame:
+    def _eyes(self, camera: Camera, pose: Pose, time_s: float) -> Eyes:
         if self._retina is None:
-            return super()._frame(camera, pose, time_s, film)
+            return super()._eyes(camera, pose, time_s)
         origin, R_WB = self._base.base
-        now = eye_of(camera, origin, R_WB, positions(self._base.movers, time_s))
         _, upright = planar_base(pose.x_m, pose.y_m, pose.yaw_rad)
-        lean = upright.T @ R_WB
-        meanwhile = []
-        for after_s, driven in moments(pose, self.exposure_s):
-            at, R_W = planar_base(*driven)
-            at[2] = origin[2]
-            meanwhile.append(eye_of(camera, at, R_W @ lean, positions(self._base.movers, time_s + after_s)))
-        before, self._seen = self._seen if self._has_truth else None, now
-        return self._retina.frame(now, before, meanwhile, film, has_truth=before is not None)
+        lean, movers = upright.T @ R_WB, self._base.movers
+
+        def eye(after_s: float) -> Eye:
+            at, R_W = origin, R_WB
+            if after_s:
+                at, R_W = planar_base(*driven(pose, after_s))
+                at[2] = origin[2]
+                R_W = R_W @ lean
+            return eye_of(camera, at, R_W, positions(movers, time_s + after_s))
+
+        return eye
+
+    def _render(self, now: Any, before: Any, meanwhile: list[Any], rows: range | None) -> AnyFrame:
+        if self._retina is None:
+            return super()._render(now, before, meanwhile, rows)
+        return self._retina.frame(now, before, meanwhile, rows)
 
 
 def _photograph(name: str) -> Bytes:

@@ -57,6 +57,6 @@ class CameraMotion:
         return replace(
             self._camera,
             tilt_deg=self._camera.tilt_deg + pitch * self._shake.sigma_deg,
-            roll_deg=roll * self._shake.sigma_deg,
+            roll_deg=self._camera.roll_deg + roll * self._shake.sigma_deg,
             height_m=self._camera.height_m * (1 + height * self._shake.height_ratio),
         )

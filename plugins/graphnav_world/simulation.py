@@ -3,27 +3,32 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar
 
+import cv2
 import numpy as np
 
 from graphnav import Image, Map, ParamError, Source, State, Truth, param
-from graphnav.arrays import Bytes, Floats
-from graphnav_world.brightness import ExposureSteps, Swing
+from graphnav.arrays import Bytes
+from graphnav_world.brightness import AutoExposure, ExposureSteps, Swing
 from graphnav_world.camera_motion import CameraMotion, Shake
 from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import unshaded
 from graphnav_world.maps.world_map import WorldMap, load_map
 from graphnav_world.painted_world import PaintedWorld, painted_world
 from graphnav_world.rendering.camera import Camera
-from graphnav_world.rendering.exposure import moments
+from graphnav_world.rendering.exposure import driven, moments
+from graphnav_world.rendering.film import Film
+from graphnav_world.rendering.lens import Lens
 from graphnav_world.rendering.lighting import Lighting, Lights
 from graphnav_world.rendering.mip import level_count
 from graphnav_world.rendering.neutral import NeutralTexture
 from graphnav_world.rendering.placed_faces import Placed
-from graphnav_world.rendering.render import Film, Renderer
+from graphnav_world.rendering.render import Renderer
+from graphnav_world.rendering.sensor import AnyFrame, Sensor, Strip
 from graphnav_world.rendering.shadows import Caster, Shadows
 from graphnav_world.rendering.textures import Texture
 from graphnav_world.vehicle import Pose
@@ -33,28 +38,8 @@ _OF_CAMERA = ("image", "truth")
 """The map tells what the camera sees, too: `Map.footprint_m` is for drawings and scores, and no drive reads it."""
 
 
-class AnyFrame(Protocol):
-    """A picture and its ground truth, whatever renders them."""
-
-    @property
-    def pixels(self) -> Bytes:
-        """The picture, uint8 (rows, cols), gray."""
-        ...
-
-    @property
-    def obstacle(self) -> Bytes:
-        """Where a body is seen: uint8 (rows, cols), 1 there."""
-        ...
-
-    @property
-    def depth_m(self) -> Floats:
-        """Depth along the optical axis, float32 (rows, cols), infinite above the horizon."""
-        ...
-
-    @property
-    def flow_px(self) -> Floats | None:
-        """Displacement of every pixel's surface point, right and down, float32 (rows, cols, 2); None at first."""
-        ...
+Eyes = Callable[[float], Any]
+"""Where the camera of a frame is so many seconds after it, as the simulator's renderer takes it."""
 
 
 class Simulation(Source):
@@ -71,6 +56,37 @@ class Simulation(Source):
         75.0, gt=0.0, le=90.0, doc="tilt of the camera below the horizontal; 90 looks straight down", changes=_OF_CAMERA
     )
     fov_deg: float = param(70.0, ge=5.0, le=150.0, doc="horizontal field of view; more sees wider", changes=_OF_CAMERA)
+    camera_roll_deg: float = param(
+        0.0,
+        ge=-45.0,
+        le=45.0,
+        doc="roll of the mounting about the robot's forward axis; above 0 the camera's right side is lower",
+        changes=_OF_CAMERA,
+    )
+    distortion: tuple[float, float] = param(
+        (0.0, 0.0),
+        ge=-1.0,
+        le=1.0,
+        doc="dimensionless: k1 and k2 of OpenCV's model of a lens, which keeps the focal length that fov_deg gives "
+        "without them; k1 below 0 bends straight lines outwards (barrel) and sees farther, above 0 inwards",
+        changes=_OF_CAMERA,
+    )
+    shutter_s: float = param(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        doc="readout of a rolling shutter, from the first row to the last; the frame's stamp is that of the middle row. "
+        "More shears and stretches what moves; 0 reads all rows at once",
+        changes=_OF_CAMERA,
+    )
+    defocus_px: float = param(
+        0.0,
+        ge=0.0,
+        le=20.0,
+        doc="radius of the disc into which the lens spreads every point (circle of confusion), before noise; more "
+        "blurs more",
+        changes=_OF_PICTURE,
+    )
     camera_shake_deg: float = param(
         0.0,
         ge=0.0,
@@ -127,6 +143,28 @@ class Simulation(Source):
         doc="mean time between jumps of the exposure, each 0.5 to 1.5 times as long; seeded",
         changes=_OF_PICTURE,
     )
+    auto_exposure_s: float | None = param(
+        None,
+        gt=0.0,
+        le=60.0,
+        doc="time constant by which the camera's gain brings the mean of the picture to auto_exposure_gray; less "
+        "follows the light faster, null keeps a gain of 1. Settled at the start; a gain above 1 multiplies the noise",
+        changes=_OF_PICTURE,
+    )
+    auto_exposure_gray: float = param(
+        110.0,
+        gt=0.0,
+        lt=255.0,
+        doc="mean of the picture that the automatic exposure aims at; more is brighter, and clips more at white",
+        changes=_OF_PICTURE,
+    )
+    auto_exposure_gain_ratio: tuple[float, float] = param(
+        (0.1, 8.0),
+        ge=0.01,
+        le=100.0,
+        doc="smallest and largest gain of the automatic exposure; beyond them the picture stays dark or bright",
+        changes=_OF_PICTURE,
+    )
     lamp_ratio: float = param(
         0.0,
         ge=0.0,
@@ -172,6 +210,14 @@ class Simulation(Source):
         doc="time that the shutter is open, around the frame's stamp; more blurs motion",
         changes=_OF_PICTURE,
     )
+    jpeg_quality: int | None = param(
+        None,
+        ge=1,
+        le=100,
+        doc="quality of a compression by JPEG, decoded again; less keeps less detail and shows blocks, null does not "
+        "compress",
+        changes=_OF_PICTURE,
+    )
     robot_radius_m: float = param(0.2, gt=0.0, le=10.0, doc="radius of the robot's body, which is a disc")
     robot_size_m: tuple[float, float] | None = param(
         None,
@@ -188,15 +234,24 @@ class Simulation(Source):
     )
 
     def check(self) -> None:
-        """Read the map.
+        """Read the map, and look at the lens.
 
         Raises
         ------
         ParamError
-            The map does not exist.
+            The map does not exist, the lens folds its picture, or the gain has no room.
         UserError
             The map is invalid; all problems with their locations in the map's file.
         """
+        if (lens := self._lens()) is not None and lens.fault is not None:
+            what = f"'distortion' {list(self.distortion)} {lens.fault}"
+            raise ParamError(
+                "distortion", what, "give a smaller k1, a k2 of the other sign such as k1**2, or a smaller fov_deg"
+            )
+        low, high = self.auto_exposure_gain_ratio
+        if low > high:
+            what = f"'auto_exposure_gain_ratio' is {[low, high]}, which is empty"
+            raise ParamError("auto_exposure_gain_ratio", what, "give the smallest gain first")
         self._load(seed=0)
 
     def reset(self, seed: int) -> None:
@@ -209,7 +264,12 @@ class Simulation(Source):
         goal_m = draw.goal_m if len(draw.goal_m) else np.zeros((1, 2))
         self._goal_center_m: tuple[float, float] = tuple(goal_m.mean(axis=0).tolist())
         self._goal_reach_m = float(np.linalg.norm(goal_m - self._goal_center_m, axis=1).max())
-        self._camera = Camera(self.camera_height_m, self.tilt_deg, self.fov_deg, *self.size)
+        lens = self._lens()
+        self._footprint_m = self._mounted.footprint_m(1.0 if lens is None else lens.corner_ratio)
+        self._camera = self._mounted if lens is None else lens.pinhole
+        self._sensor = Sensor(self._mounted, lens, self.shutter_s)
+        self._all_rows = range(self._camera.rows)
+        self._before: Eyes | None = None
         shake = Shake(self.camera_shake_deg, self.camera_bob_ratio, self.camera_shake_s)
         self._camera_motion = CameraMotion(self._camera, shake, np.random.default_rng([seed, 11]))
         levels = level_count(shake.farthest(self._camera))
@@ -219,6 +279,10 @@ class Simulation(Source):
         self._swing = Swing(self.light_swing_ratio, self.light_period_s)
         steps_rng = np.random.default_rng([seed, 12])
         self._exposure_steps = ExposureSteps(self.exposure_step_ratio, self.exposure_step_s, steps_rng)
+        self._auto_exposure = None
+        if self.auto_exposure_s is not None:
+            bounds = self.auto_exposure_gain_ratio
+            self._auto_exposure = AutoExposure(self.auto_exposure_gray, self.auto_exposure_s, bounds)
         self._has_truth = self.is_read("truth") if self.truth is None else self.truth
 
     def _paint(self, painted: PaintedWorld, seed: int) -> None:
@@ -231,12 +295,19 @@ class Simulation(Source):
             lighting=self._lighting(np.random.default_rng([seed, 13])),
             neutral=self._neutral(self._draw.textures["floor"], seed) if self.neutral else None,
         )
-        self._before: Placed | None = None
 
     def _load(self, seed: int, run_seed: int | None = None) -> WorldMap:
         if not self.map.is_file():
             raise ParamError("map", f"'map' is not a file: {self.map}", "give the path of a map's YAML file")
         return load_map(self.map, seed, self._radius_m, run_seed)
+
+    @property
+    def _mounted(self) -> Camera:
+        """The camera of the picture, as it would be without distortion."""
+        return Camera(self.camera_height_m, self.tilt_deg, self.fov_deg, *self.size, self.camera_roll_deg)
+
+    def _lens(self) -> Lens | None:
+        return Lens(self._mounted, *self.distortion) if any(self.distortion) else None
 
     @property
     def _radius_m(self) -> float:
@@ -260,25 +331,45 @@ class Simulation(Source):
 
         ``interval_us``: since the last frame.
         """
-        camera = self._camera_motion.at(time_s)
-        varying = self._swing.at(time_s) * self._exposure_steps.at(time_s)
-        film = Film(
-            self.light_ratio * self._draw.light_ratio * varying,
-            self.noise_sigma_gray * self._draw.noise_ratio,
-            self._noise,
-        )
-        frame = self._frame(camera, pose, time_s, film)
-        return Image(pixels=frame.pixels), _truth(frame, interval_us)
+        eyes = self._eyes(self._camera_motion.at(time_s), pose, time_s)
+        before, self._before = self._before if self._has_truth else None, eyes
 
-    def _frame(self, camera: Camera, pose: Pose, time_s: float, film: Film) -> AnyFrame:
-        """Return the frame seen from a pose, with the flow since the last one where the truth is read."""
-        now = Placed.at(camera, self._faces, pose.x_m, pose.y_m, pose.yaw_rad, time_s)
-        meanwhile = [
-            Placed.at(camera, self._faces, x, y, yaw, time_s + after_s)
-            for after_s, (x, y, yaw) in moments(pose, self.exposure_s)
-        ]
-        before, self._before = self._before if self._has_truth else None, now
-        return self._renderer.render(now, before, meanwhile=meanwhile, film=film)
+        def taken(strip: Strip) -> AnyFrame:
+            meanwhile = [eyes(strip.after_s + after_s) for after_s in moments(self.exposure_s)]
+            then = None if before is None else before(strip.after_s)
+            window = None if strip.window == self._all_rows else strip.window
+            return self._render(eyes(strip.after_s), then, meanwhile, window)
+
+        frame = self._sensor.read(self._sensor.strips(self._moving_px(pose)), taken)
+        return Image(pixels=self._developed(frame, time_s)), _truth(frame, interval_us)
+
+    def _moving_px(self, pose: Pose) -> float:
+        """Return about how far the floor below the camera, or what moves on it, moves in the picture as it is read."""
+        fastest_mps = max((mover.speed_mps for mover in self._faces.movers), default=0.0)
+        per_s = abs(pose.omega_radps) + (abs(pose.v_mps) + fastest_mps) / self.camera_height_m
+        return self.shutter_s * self._camera.focal_px * per_s
+
+    def _developed(self, frame: AnyFrame, time_s: float) -> Bytes:
+        """Return the picture of a frame."""
+        light = self.light_ratio * self._draw.light_ratio * (self._swing.at(time_s) * self._exposure_steps.at(time_s))
+        sigma_gray = self.noise_sigma_gray * self._draw.noise_ratio
+        gray = frame.gray
+        if self._auto_exposure is not None:
+            gain = self._auto_exposure.at(time_s, light * cv2.mean(gray)[0] / frame.views)
+            light, sigma_gray = light * gain, sigma_gray * max(gain, 1.0)
+        film = Film(light, sigma_gray, self._noise, self.defocus_px, self.jpeg_quality)
+        pixels = film.exposed(film.blurred(gray), frame.views)
+        if self._auto_exposure is not None:
+            self._auto_exposure.see(pixels)
+        return film.compressed(pixels)
+
+    def _eyes(self, camera: Camera, pose: Pose, time_s: float) -> Eyes:
+        """Return where the camera of a frame is at any moment near it."""
+        return lambda after_s: Placed.at(camera, self._faces, *driven(pose, after_s), time_s + after_s)
+
+    def _render(self, now: Any, before: Any, meanwhile: list[Any], rows: range | None) -> AnyFrame:
+        """Return the frame seen from ``now``, with the flow since ``before`` if that is given; of some rows or of all."""
+        return self._renderer.render(now, before, meanwhile=meanwhile, rows=rows)
 
     def _at_goal(self, pose: Pose) -> bool:
         goal_m, (x, y) = self._draw.goal_m, self._goal_center_m
@@ -318,7 +409,7 @@ class Simulation(Source):
             goal_m=self._draw.goal_m,
             robot_radius_m=self._radius_m,
             shortest_m=self._shortest_m,
-            footprint_m=self._camera.footprint_m(),
+            footprint_m=self._footprint_m,
         )
 
 

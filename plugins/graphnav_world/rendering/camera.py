@@ -76,12 +76,13 @@ class Camera:
         pixels: Doubles = points_C[..., :2] / points_C[..., 2:] * self.focal_px + np.array(self.center_px)
         return pixels
 
-    def footprint_m(self) -> Doubles:
+    def footprint_m(self, corner_ratio: float = 1.0) -> Doubles:
         """Return the outline of the camera's view on the floor, (4, 2) in R.
 
-        Cut at 20 m: the view of a camera that sees the horizon is unbounded.
+        Cut at 20 m: the view of a camera that sees the horizon is unbounded. ``corner_ratio``: how much farther off the
+        axis a lens lets the corners look.
         """
-        cx, cy = (self.cols / 2) / self.focal_px, (self.rows / 2) / self.focal_px
+        cx, cy = (corner_ratio * half / 2 / self.focal_px for half in (self.cols, self.rows))
         corners = np.array([[-cx, cy, 1.0], [cx, cy, 1.0], [cx, -cy, 1.0], [-cx, -cy, 1.0]]) @ self.R_RC.T
         reach = self.height_m / np.maximum(-corners[:, 2], self.height_m / FARTHEST_FLOOR_M)
         outline: Doubles = corners[:, :2] * reach[:, None]

@@ -1,4 +1,4 @@
-"""Motion blur: poses of the robot while the shutter is open."""
+"""Poses of the robot while the shutter is open."""
 
 from __future__ import annotations
 
@@ -10,19 +10,16 @@ VIEWS = 5
 """Number of views averaged in a blurred picture, the frame's own in the middle; they must be few pixels apart."""
 
 
-def moments(pose: Pose, exposure_s: float) -> list[tuple[float, tuple[float, float, float]]]:
-    """Return the other moments of an exposure around a frame: seconds after it, and the robot's (x, y, yaw) then.
-
-    The robot keeps the speeds that it has in the frame. None without an exposure.
-    """
+def moments(exposure_s: float) -> list[float]:
+    """Return the other moments of an exposure around a frame: seconds after it. None without an exposure."""
     if exposure_s == 0.0:
         return []
     middle = VIEWS // 2
-    times = [exposure_s * (k - middle) / VIEWS for k in range(VIEWS) if k != middle]
-    return [(after_s, _driven(pose, after_s)) for after_s in times]
+    return [exposure_s * (k - middle) / VIEWS for k in range(VIEWS) if k != middle]
 
 
-def _driven(pose: Pose, after_s: float) -> tuple[float, float, float]:
+def driven(pose: Pose, after_s: float) -> tuple[float, float, float]:
+    """Return the robot's (x, y, yaw) so long after a frame; it keeps the speeds that it has in the frame."""
     way_m, turn_rad = pose.v_mps * after_s, pose.omega_radps * after_s
     heading = pose.yaw_rad + turn_rad / 2
     return pose.x_m + way_m * math.cos(heading), pose.y_m + way_m * math.sin(heading), pose.yaw_rad + turn_rad

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -27,13 +27,16 @@ class Floor:
         self._atlas, self._origin_m = atlas, origin_m
         self._at_rest = self._shaken = FloorView.of(camera, atlas)
 
-    def inverse_depth(self, now: Placed) -> Floats:
-        """Return 1/m along the optical axis, float32 (rows, cols), 0 above the horizon."""
-        return self._view(now).inverse_depth
+    def inverse_depth(self, now: Placed, rows: range | None = None) -> Floats:
+        """Return 1/m along the optical axis, float32 (rows, cols), 0 above the horizon; of some rows or of all."""
+        inverse_depth = self._view(now).inverse_depth
+        return inverse_depth if rows is None else inverse_depth[rows.start : rows.stop]
 
-    def gray(self, now: Placed) -> Floats:
-        """Return the gray values before light and noise, float32 (rows, cols)."""
+    def gray(self, now: Placed, rows: range | None = None) -> Floats:
+        """Return the gray values before light and noise, float32 (rows, cols), of some rows or of all."""
         view = self._view(now)
+        if rows is not None:
+            view = view.part(rows)
         fine_px, coarse_px = self._places(now, view)
         fine = cv2.remap(self._atlas.pixels, fine_px, None, cv2.INTER_LINEAR)
         coarse = cv2.remap(self._atlas.pixels, coarse_px, None, cv2.INTER_LINEAR)
@@ -88,6 +91,21 @@ class FloorView:
     per_m: Floats
     fine_px: Floats
     coarse_px: Floats
+
+    def part(self, rows: range) -> FloorView:
+        """Return the view of some rows."""
+        cut = slice(rows.start, rows.stop)
+        inverse = self.inverse_depth[cut]
+        return replace(
+            self,
+            inverse_depth=inverse,
+            sky=np.flatnonzero(inverse <= 0),
+            place_R=self.place_R[cut],
+            blend=self.blend[cut],
+            per_m=self.per_m[cut],
+            fine_px=self.fine_px[cut],
+            coarse_px=self.coarse_px[cut],
+        )
 
     @classmethod
     def of(cls, camera: Camera, atlas: Atlas) -> FloorView:

@@ -53,35 +53,41 @@ class Lighting:
         self._cos_axis = np.reciprocal(np.linalg.norm(self._rays, axis=-1))
         self._height_m = camera.height_m
         down = self._rays @ -camera.R_RC[2].astype(np.float32)
-        floor = self._lamp(np.maximum(down, 0.0) / np.float32(camera.height_m), np.full_like(down, camera.height_m))
+        floor = _lamp(
+            np.maximum(down, 0.0) / np.float32(camera.height_m), np.full_like(down, camera.height_m), self._cos_axis
+        )
         self._per_lamp = 1 / float(floor[down > 0].mean())
 
-    def apply(self, gray: Floats, now: Placed, seen: Visible, inverse_depth: Floats) -> None:
-        """Light gray values in place, float32 (rows, cols)."""
+    def apply(self, gray: Floats, now: Placed, seen: Visible, inverse_depth: Floats, first_row: int = 0) -> None:
+        """Light gray values in place, float32 (rows, cols): of all of the picture, or of rows from a first one on."""
+        rows = slice(first_row, first_row + len(gray))
         distance_m, shade = np.full(gray.shape, now.eye_W[2], np.float32), np.ones(gray.shape, np.float32)
         face = seen.pixel_face
         distance_m.reshape(-1)[seen.pixel] = now.face_distance_m.take(face)
         shade.reshape(-1)[seen.pixel] = self._faces.shade.take(face)
         factor: Floats = np.full(gray.shape, 1 - self._lights.lamp, np.float32)
         if self._shadows is not None:
-            factor *= 1 - self._lights.shadow * self._shadows.at(now, seen, self._rays, inverse_depth)
+            factor *= 1 - self._lights.shadow * self._shadows.at(now, seen, self._rays[rows], inverse_depth)
         if self._lights.lamp:
-            factor += self._lights.lamp * self._per_lamp * self._lamp(inverse_depth, distance_m) / shade
+            factor += (
+                self._lights.lamp * self._per_lamp * _lamp(inverse_depth, distance_m, self._cos_axis[rows]) / shade
+            )
         lit = inverse_depth > 0
         factor[~lit] = 1.0
         gray *= factor
         if self._lights.glare:
-            gray += lit * self._glare(inverse_depth, distance_m)
+            gray += lit * self._glare(inverse_depth, distance_m, self._cos_axis[rows])
 
-    def _lamp(self, inverse_depth: Floats, distance_m: Floats) -> Floats:
-        """Return the lamp's irradiance, 1/m**2; ``distance_m``: of the planes that pixels show, (rows, cols)."""
-        inverse_m = inverse_depth * self._cos_axis
-        light: Floats = self._cos_axis * distance_m * inverse_m**3
-        return light
-
-    def _glare(self, inverse_depth: Floats, distance_m: Floats) -> Floats:
+    def _glare(self, inverse_depth: Floats, distance_m: Floats, cos_axis: Floats) -> Floats:
         """Return the gray values of the lamp's reflection."""
-        inverse_m = inverse_depth * self._cos_axis
+        inverse_m = inverse_depth * cos_axis
         square = np.minimum(distance_m * inverse_m, 1.0) ** GLOSS
         glare: Floats = self._lights.glare * WHITE_GRAY * square * np.square(self._height_m * inverse_m)
         return glare
+
+
+def _lamp(inverse_depth: Floats, distance_m: Floats, cos_axis: Floats) -> Floats:
+    """Return the lamp's irradiance, 1/m**2; ``distance_m``: of the planes that pixels show, (rows, cols)."""
+    inverse_m = inverse_depth * cos_axis
+    light: Floats = cos_axis * distance_m * inverse_m**3
+    return light

@@ -65,8 +65,8 @@ class NeutralTexture:
         self._u = np.concatenate([[[1.0, 0.0, 0.0]], faces_u])
         self._v = np.concatenate([[[0.0, 1.0, 0.0]], faces_v])
 
-    def gray(self, now: Placed) -> Floats:
-        """Return the gray values before brightness and noise, float32 (rows, cols)."""
+    def gray(self, now: Placed, rows: range | None = None) -> Floats:
+        """Return the gray values before brightness and noise, float32 (rows, cols), of some rows or of all."""
         seen = self._seen(now)
         start_W, distance_m = self._planes(now)
         generations = [self._tiles(now, seen, start_W, distance_m)]
@@ -80,7 +80,8 @@ class NeutralTexture:
         total += np.float32(self._texture.mean)
         total[(seen.inverse_depth <= 0).reshape(total.shape)] = SKY_GRAY
         inner = slice(self._margin, -self._margin)
-        return total[inner, inner].copy()
+        picture = total[inner, inner] if rows is None else total[inner, inner][rows.start : rows.stop]
+        return picture.copy()
 
     def _seen(self, now: Placed) -> _Seen:
         inverse = np.maximum(self._rays.reshape(-1, 3) @ -now.R_WC[2] / now.eye_W[2], 0.0)

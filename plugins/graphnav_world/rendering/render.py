@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from statistics import NormalDist
 
 import cv2
 import numpy as np
@@ -16,6 +14,7 @@ from graphnav_world.geometry.scene import Faces
 from graphnav_world.rendering.atlas import Atlas
 from graphnav_world.rendering.body_texture import BodyTexture
 from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.film import Film
 from graphnav_world.rendering.floor import Floor
 from graphnav_world.rendering.lighting import Lighting
 from graphnav_world.rendering.neutral import NeutralTexture
@@ -23,26 +22,28 @@ from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.visibility import Visible, ZBuffer
 
 FLOOR = -1
-NOISE_BITS = 12
-NOISE_STEPS = 2**NOISE_BITS
-"""The values that noise has."""
-_QUANTILES: Floats = np.array([NormalDist().inv_cdf((k + 0.5) / NOISE_STEPS) for k in range(NOISE_STEPS)], np.float32)
 _MIN_DEPTH_RATIO = np.float32(1e-6)
 """Minimum of a point's former depth over the present one: flow stays finite."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """A picture and its ground truth, which is computed where it is asked for.
+    """The gray values of a picture and its ground truth, which is computed where it is asked for.
 
-    ``pixels``: uint8 (rows, cols), gray. ``seen``: what is seen of bodies. ``floor_inverse_depth``: float32 (rows,
-    cols), as if there were none. ``flow``: takes inverse depth to flow, None for a first frame.
+    ``gray``: float32 (rows, cols), the sum of all views. ``seen``: what is seen of bodies. ``floor_inverse_depth``:
+    float32 (rows, cols), as if there were none. ``flow``: takes inverse depth to flow, None for a first frame.
     """
 
-    pixels: Bytes
+    gray: Floats
+    views: int
     seen: Visible
     floor_inverse_depth: Floats
     flow: Callable[[Floats], Floats] | None
+
+    @property
+    def pixels(self) -> Bytes:
+        """The picture in light as the map's, without noise: uint8 (rows, cols)."""
+        return Film().exposed(self.gray, self.views)
 
     @cached_property
     def inverse_depth(self) -> Floats:
@@ -63,33 +64,16 @@ class Frame:
     @property
     def obstacle(self) -> Bytes:
         """Where a body is seen: uint8 (rows, cols), 1 there."""
-        obstacle = np.zeros(self.pixels.shape, np.uint8)
+        obstacle = np.zeros(self.gray.shape, np.uint8)
         obstacle.reshape(-1)[self.seen.pixel] = 1
         return obstacle
 
     @property
-    def face(self) -> Ints:
+    def surface(self) -> Ints:
         """Which face is seen: int32 (rows, cols), -1 for the floor and above the horizon."""
-        face = np.full(self.pixels.shape, FLOOR, np.int32)
+        face = np.full(self.gray.shape, FLOOR, np.int32)
         face.reshape(-1)[self.seen.pixel] = self.seen.pixel_face
         return face
-
-
-@dataclass(frozen=True)
-class Film:
-    """Brightness and noise, which ``rng`` draws: they make a picture of gray values."""
-
-    light: float = 1.0
-    noise_sigma_gray: float = 0.0
-    rng: np.random.Generator | None = None
-
-    def exposed(self, gray: Floats, views: int = 1) -> Bytes:
-        """Return the picture, uint8, of the sum of the gray values of so many views."""
-        noise, sigma = gray, 0.0
-        if self.noise_sigma_gray and self.rng is not None:
-            noise, sigma = normal_noise(gray.shape, self.rng), self.noise_sigma_gray
-        pixels: Bytes = cv2.addWeighted(gray, self.light / views, noise, sigma, 0.0, dtype=cv2.CV_8U)
-        return pixels
 
 
 class Renderer:
@@ -122,28 +106,29 @@ class Renderer:
         before: Placed | None,
         *,
         meanwhile: Sequence[Placed] = (),
-        film: Film | None = None,
+        rows: range | None = None,
     ) -> Frame:
         """Return the frame seen from ``now``, with the flow since ``before``.
 
         ``meanwhile``: other camera poses while the shutter was open; the picture is the mean of all, the rest is of
-        ``now`` alone.
+        ``now`` alone. ``rows``: of the picture, if it is not all that is wanted.
         """
-        seen = self._zbuffer.find(now)
-        gray = self._gray(now, seen)
+        seen = self._zbuffer.find(now, rows)
+        gray = self._gray(now, seen, rows)
         for moment in meanwhile:
-            gray += self._gray(moment, self._zbuffer.find(moment))
-        pixels = (film or Film()).exposed(gray, 1 + len(meanwhile))
-        flow = None if before is None else partial(self._flow.between, now, before, seen)
-        return Frame(pixels, seen, self._floor.inverse_depth(now), flow)
+            gray += self._gray(moment, self._zbuffer.find(moment, rows), rows)
+        first_row = 0 if rows is None else rows.start
+        flow = None if before is None else partial(self._flow.between, now, before, seen, first_row)
+        return Frame(gray, 1 + len(meanwhile), seen, self._floor.inverse_depth(now, rows), flow)
 
-    def _gray(self, placed: Placed, seen: Visible) -> Floats:
+    def _gray(self, placed: Placed, seen: Visible, rows: range | None) -> Floats:
         """Return the gray values before brightness and noise, float32 (rows, cols)."""
-        gray = self._floor.gray(placed) if self._neutral is None else self._neutral.gray(placed)
+        gray = self._floor.gray(placed, rows) if self._neutral is None else self._neutral.gray(placed, rows)
         if len(seen.pixel) and self._neutral is None:
             gray.reshape(-1)[seen.pixel] = self._texture.gray(placed, seen)
         if self._lighting is not None:
-            self._lighting.apply(gray, placed, seen, _inverse_depth(self._floor.inverse_depth(placed), seen))
+            inverse_depth = _inverse_depth(self._floor.inverse_depth(placed, rows), seen)
+            self._lighting.apply(gray, placed, seen, inverse_depth, 0 if rows is None else rows.start)
         return gray
 
 
@@ -151,20 +136,6 @@ def _inverse_depth(of_floor: Floats, seen: Visible) -> Floats:
     inverse = of_floor.copy()
     inverse.reshape(-1)[seen.pixel] = seen.inverse_depth
     return inverse
-
-
-def normal_noise(shape: tuple[int, ...], rng: np.random.Generator) -> Floats:
-    """Return Gaussian noise of sigma 1, float32, cut to 4096 quantiles: a tenth of the cost of exact draws.
-
-    Each value takes the high bits of 16 random ones.
-    """
-    size = math.prod(shape)
-    if size % 4 == 0:
-        words = rng.bit_generator.random_raw(size // 4)
-    else:  # the same bits, from words of which none is drawn in part
-        words = rng.integers(0xFFFFFFFF, size=(size + 1) // 2, dtype=np.uint32, endpoint=True)
-    draws = words.view(np.uint16)[:size] >> (16 - NOISE_BITS)
-    return _QUANTILES.take(draws.astype(np.intp)).reshape(shape)
 
 
 class TrueFlow:
@@ -176,10 +147,11 @@ class TrueFlow:
         self._x, self._y = rays[0, :, 0], rays[:, :1, 1]
         self._from_center_x, self._from_center_y = (self._focal_px * one for one in (self._x, self._y))
 
-    def between(self, now: Placed, before: Placed, seen: Visible, inverse_depth: Floats) -> Floats:
+    def between(self, now: Placed, before: Placed, seen: Visible, first_row: int, inverse_depth: Floats) -> Floats:
         """Return the displacement of every pixel's surface point since ``before``, float32 (rows, cols, 2)."""
+        rows = slice(first_row, first_row + len(inverse_depth))
         matrix = before.camera_from(now).astype(np.float32)
-        past = [x * self._x + (y * self._y + one) for x, y, one, _ in matrix]
+        past = [x * self._x + (y * self._y[rows] + one) for x, y, one, _ in matrix]
         for axis, shift in enumerate(matrix[:, 3]):
             past[axis] += inverse_depth * shift
         for body, moved_W in now.moved_since(before):
@@ -188,7 +160,7 @@ class TrueFlow:
             for axis, moved in enumerate((before.R_WC.T @ moved_W).astype(np.float32)):
                 past[axis].reshape(-1)[at] -= inverse * moved
         per_depth = self._focal_px / np.maximum(past[2], _MIN_DEPTH_RATIO, out=past[2])
-        for axis, from_center in enumerate((self._from_center_x, self._from_center_y)):
+        for axis, from_center in enumerate((self._from_center_x, self._from_center_y[rows])):
             past[axis] *= per_depth
             np.subtract(from_center, past[axis], out=past[axis])
         flow: Floats = cv2.merge(past[:2])

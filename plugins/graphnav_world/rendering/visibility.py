@@ -24,7 +24,7 @@ class Visible:
 
     ``face``: of each prim in view, (prims,); ``per_ray``: float64 (3, prims), its inverse depth (1/m, along the optical
     axis) as a linear function of a pixel's ray in C. ``prim`` (one of these) and ``row``, (runs,). ``run``, ``pixel``
-    (flat index), ``x`` (columns right of the principal point) and ``inverse_depth``, (pixels,).
+    (flat index from the first of the rows that were looked for), ``x`` (columns right of the principal point) and ``inverse_depth``, (pixels,).
     """
 
     face: Indices
@@ -78,12 +78,14 @@ class ZBuffer:
         half_x, half_y = (cx + 0.5) / camera.focal_px, (cy + 0.5) / camera.focal_px
         sides = np.array([[1, 0, half_x], [-1, 0, half_x], [0, 1, half_y], [0, -1, half_y]])
         self._frustum: Doubles = sides / np.linalg.norm(sides, axis=1, keepdims=True)
+        self._rows = range(camera.rows)
 
-    def find(self, placed: Placed) -> Visible:
-        """Return what is seen of the bodies."""
+    def find(self, placed: Placed, rows: range | None = None) -> Visible:
+        """Return what is seen of the bodies in some rows of the picture, or in all."""
+        rows = rows or self._rows
         faces = placed.faces
         distance = placed.face_distance_m
-        is_near = placed.heights(self._frustum).min(axis=0) >= -faces.prims.radius_m
+        is_near = placed.heights(self._frustum_of(rows)).min(axis=0) >= -faces.prims.radius_m
         is_near &= (distance > 1e-9).take(faces.face_of_prim)
         prims = np.flatnonzero(is_near)
         if not len(prims):
@@ -91,11 +93,11 @@ class ZBuffer:
         face = faces.face_of_prim.take(prims).astype(np.intp)
         per_ray = placed.R_WC.T @ faces.normal.take(face, axis=0).T
         per_ray /= -distance.take(face)
-        prim, row, first, count = self._spans(placed, prims)
+        prim, row, first, count = self._spans(placed, prims, rows)
         run = np.repeat(np.arange(len(count)), count)
         column = np.arange(len(run))
         column += (first - np.cumsum(count) + count).take(run)
-        pixel = (row * self._camera.cols).take(run)
+        pixel = ((row - rows.start) * self._camera.cols).take(run)
         pixel += column
         x = column.astype(np.float32)
         per_x, per_y, one = per_ray.astype(np.float32).take(prim, axis=1)
@@ -106,6 +108,13 @@ class ZBuffer:
         inverse += at_zero.take(run)
         x -= np.float32(self._cx)
         return self._nearest(Visible(face, per_ray, prim, row, run, pixel, x, inverse))
+
+    def _frustum_of(self, rows: range) -> Doubles:
+        if rows == self._rows:
+            return self._frustum
+        top, below = ((row - 0.5 - self._cy) / self._focal for row in (rows.start, rows.stop))
+        sides = np.array([[0, 1, -top], [0, -1, below]])
+        return np.concatenate([self._frustum[:2], sides / np.linalg.norm(sides, axis=1, keepdims=True)])
 
     def _nearest(self, drawn: Visible) -> Visible:
         """Return the pixels of which no other one lies in front."""
@@ -123,15 +132,15 @@ class ZBuffer:
         run, pixel = drawn.run.take(seen), drawn.pixel.take(seen)
         return Visible(*of_runs, run, pixel, drawn.x.take(seen), drawn.inverse_depth.take(seen))
 
-    def _spans(self, placed: Placed, prims: Indices) -> tuple[Indices, Indices, Indices, Indices]:
+    def _spans(self, placed: Placed, prims: Indices, rows: range) -> tuple[Indices, Indices, Indices, Indices]:
         """Return prim, row, first column and number of pixels of every span, each (spans,)."""
         slope, offset = self._bounds(placed.edge_planes(prims))
         all_rows = len(prims) <= FEW_PRIMS
         if all_rows:
-            bound = slope[..., None] * self._y
+            bound = slope[..., None] * self._y[rows.start : rows.stop]
             bound += offset[..., None]
         else:
-            prim, row = self._rows(placed.vertices(prims))
+            prim, row = self._pairs(placed.vertices(prims), rows)
             bound = slope.take(prim, axis=1)
             bound *= self._y.take(row)
             bound += offset.take(prim, axis=1)
@@ -142,26 +151,25 @@ class ZBuffer:
         first = first.take(span)
         count = (1 - minus_last.take(span) - first).astype(np.intp)
         if all_rows:
-            prim = span // self._camera.rows
-            row = span - prim * self._camera.rows
+            prim = span // len(rows)
+            row = span - prim * len(rows) + rows.start
         else:
             prim, row = prim.take(span), row.take(span)
         return prim, row, first.astype(np.intp), count
 
-    def _rows(self, vertices: Doubles) -> tuple[Indices, Indices]:
+    def _pairs(self, vertices: Doubles, rows: range) -> tuple[Indices, Indices]:
         """Return every pair of a prim and a row that may show it: prim, row, each (pairs,).
 
         ``vertices``: corners in C, (3, 4, prims).
         """
-        rows = self._camera.rows
         _, y, z = vertices
         down = y / np.maximum(z, NEAR_M)
         down *= self._focal
         minus_first, last = (np.concatenate([-down, down]).reshape(2, 4, -1).max(axis=1) + self._row_shift) // 1
         reaches_behind = z.min(axis=0) <= NEAR_M
         minus_first[reaches_behind], last[reaches_behind] = 0, np.inf
-        first = -np.minimum(minus_first, 0)
-        count = np.maximum(np.minimum(last, rows - 1) - first + 1, 0).astype(np.intp)
+        first = -np.minimum(minus_first, -rows.start)
+        count = np.maximum(np.minimum(last, rows.stop - 1) - first + 1, 0).astype(np.intp)
         prim = np.repeat(np.arange(len(count)), count)
         row = np.arange(len(prim))
         row += (first - np.cumsum(count) + count).astype(np.intp).take(prim)

@@ -83,7 +83,7 @@ def test_picture_and_truth_of_a_shaken_camera_are_exact(
     now = Placed.at(cameras[1], faces, 0.14, 0.02, 0.2, time_s=0.5)
     before, frame = renderer.render(then, None), renderer.render(now, then)
     face, depth = cast(cameras[1], now, faces)
-    same = frame.face == face
+    same = frame.surface == face
     assert (~same).mean() < 0.0005
     np.testing.assert_allclose(frame.depth_m[same], depth[same], rtol=1e-5)
     points = now.eye_W + (REST.rays() * depth[..., None]) @ now.R_WC.T
@@ -98,8 +98,8 @@ def test_picture_and_truth_of_a_shaken_camera_are_exact(
     assert np.abs(frame.flow_px - unmoved.flow_px).mean() > 2.0
     from_x, from_y = x - frame.flow_px[..., 0], y - frame.flow_px[..., 1]
     warped = cv2.remap(before.pixels.astype(np.float32), from_x, from_y, cv2.INTER_CUBIC)
-    faces_then = cv2.remap(before.face.astype(np.float32), from_x, from_y, cv2.INTER_NEAREST, borderValue=-2)
-    seen_then = cv2.erode((faces_then == frame.face).astype(np.uint8), np.ones((5, 5), np.uint8)) == 1
+    faces_then = cv2.remap(before.surface.astype(np.float32), from_x, from_y, cv2.INTER_NEAREST, borderValue=-2)
+    seen_then = cv2.erode((faces_then == frame.surface).astype(np.uint8), np.ones((5, 5), np.uint8)) == 1
     assert seen_then.mean() > 0.3
     assert np.abs(warped - frame.pixels)[seen_then].mean() < 4.0, "resampling blurs, nothing more"
 

@@ -19,6 +19,8 @@ WITH: dict[str, dict[str, Any]] = {
     "light_period_s": {"light_swing_ratio": 0.3},
     "exposure_step_s": {"exposure_step_ratio": 0.5},
     "exposure_step_ratio": {"exposure_step_s": 0.1},
+    "auto_exposure_gray": {"auto_exposure_s": 0.5},
+    "auto_exposure_gain_ratio": {"auto_exposure_s": 0.5},
 }
 """Other parameters without which one does nothing."""
 OTHER: dict[str, Any] = {
@@ -30,6 +32,11 @@ OTHER: dict[str, Any] = {
     "fov_deg": 90.0,
     "odometry_hz": 20.0,
     "exposure_step_s": 0.1,
+    "distortion": (-0.1, 0.01),
+    "defocus_px": 1.0,
+    "auto_exposure_s": 0.5,
+    "auto_exposure_gain_ratio": (1.5, 2.0),
+    "jpeg_quality": 20,
 }
 
 

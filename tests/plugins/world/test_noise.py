@@ -6,7 +6,7 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
-from graphnav_world.rendering.render import NOISE_STEPS, normal_noise
+from graphnav_world.rendering.film import NOISE_STEPS, normal_noise
 
 
 def test_it_is_normal() -> None:

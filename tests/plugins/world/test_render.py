@@ -12,8 +12,9 @@ from graphnav_world.geometry import outlines
 from graphnav_world.geometry.scene import Body
 from graphnav_world.rendering import visibility
 from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.film import Film
 from graphnav_world.rendering.placed_faces import Placed
-from graphnav_world.rendering.render import Film, Frame
+from graphnav_world.rendering.render import Frame
 
 from graphnav.arrays import Bytes, Doubles
 
@@ -30,7 +31,7 @@ def test_every_pixel_shows_the_face_that_its_ray_hits_first(
         placed = Placed.at(CAMERA, faces, 0.1, 0.05, yaw, time_s=0.7)
         frame = renderer.render(placed, None)
         face, depth = cast(CAMERA, placed, faces)
-        same = frame.face == face
+        same = frame.surface == face
         assert (~same).mean() < 0.0005, "rounding may move a pixel on an edge, no more"
         np.testing.assert_allclose(frame.depth_m[same], depth[same], rtol=1e-5)
 
@@ -43,12 +44,12 @@ def test_a_low_camera_that_sees_the_horizon_and_walls_behind_it_is_exact_too(
     placed = Placed.at(camera, faces, 0.1, 0.05, 0.3)
     frame = renderer.render(placed, placed)
     face, depth = cast(camera, placed, faces)
-    assert (frame.face != face).mean() < 0.0005
+    assert (frame.surface != face).mean() < 0.0005
     sky = np.isinf(depth)
     assert sky.any()
     assert np.array_equal(np.isinf(frame.depth_m), sky)
     assert not frame.obstacle[sky].any()
-    assert np.array_equal(frame.obstacle == 1, frame.face >= 0)
+    assert np.array_equal(frame.obstacle == 1, frame.surface >= 0)
     assert np.abs(frame.flow_px).max() < 1e-3, "what does not move does not flow, the sky neither"
 
 
@@ -67,7 +68,7 @@ def test_a_wall_that_fills_rows_and_passes_beside_the_eye_is_exact(
         frame = renderer.render(placed, None)
         face, depth = cast(camera, placed, faces)
         assert (face >= 0).any()
-        assert np.array_equal(frame.face, face)
+        assert np.array_equal(frame.surface, face)
         np.testing.assert_allclose(frame.depth_m, depth, rtol=1e-5)
 
 
@@ -84,7 +85,7 @@ def test_a_view_of_many_bodies_is_that_of_few(
         frames.append(renderer.render(placed, None))
     many, few_prims = frames
     assert many.obstacle.any()
-    assert np.array_equal(many.face, few_prims.face)
+    assert np.array_equal(many.surface, few_prims.surface)
     assert np.array_equal(many.pixels, few_prims.pixels)
 
 
@@ -92,18 +93,18 @@ def test_the_tops_of_low_walls_are_seen(world: Make) -> None:
     wall = Body.wall(outlines.strip(np.array([[-2.0, 0.5], [2.0, 0.5]]), 0.1, closed=False), 0.3, "wall")
     faces, renderer = world(CAMERA, [wall])
     frame = renderer.render(Placed.at(CAMERA, faces, 0.0, 0.0, 0.0), None)
-    seen = {tuple(np.round(faces.normal[face])) for face in np.unique(frame.face) if face >= 0}
+    seen = {tuple(np.round(faces.normal[face])) for face in np.unique(frame.surface) if face >= 0}
     assert seen == {(0, -1, 0), (0, 0, 1)}
-    top = faces.normal[frame.face][..., 2] == 1
+    top = faces.normal[frame.surface][..., 2] == 1
     height = CAMERA.height_m + frame.depth_m * (CAMERA.rays() @ CAMERA.R_RC[2])
-    np.testing.assert_allclose(height[top & (frame.face >= 0)], 0.3, atol=1e-5)
+    np.testing.assert_allclose(height[top & (frame.surface >= 0)], 0.3, atol=1e-5)
 
 
 def test_an_empty_floor_has_no_obstacle(world: Make) -> None:
     faces, renderer = world(CAMERA, [])
     frame = renderer.render(Placed.at(CAMERA, faces, 0.0, 0.0, 0.0), None)
     assert not frame.obstacle.any()
-    assert (frame.face == -1).all()
+    assert (frame.surface == -1).all()
 
 
 def test_flow_of_the_floor_is_that_of_its_homography(world: Make) -> None:
@@ -135,7 +136,7 @@ def test_flow_is_how_far_the_point_behind_the_pixel_has_moved(
     before = CAMERA.project((points - then.eye_W) @ then.R_WC)
     x, y = np.meshgrid(np.arange(CAMERA.cols), np.arange(CAMERA.rows))
     expected = np.stack([x, y], axis=-1) - before
-    same = frame.face == face
+    same = frame.surface == face
     np.testing.assert_allclose(frame.flow_px[same], expected[same], atol=1e-3)
 
 
@@ -200,7 +201,7 @@ def test_noise_has_the_asked_spread_and_comes_from_the_seed(world: Make) -> None
     placed = Placed.at(CAMERA, faces, 0.0, 0.0, 0.0)
     clean = renderer.render(placed, None).pixels.astype(float)
     one, same, other = (
-        renderer.render(placed, None, film=Film(noise_sigma_gray=5.0, rng=np.random.default_rng(seed))).pixels
+        Film(noise_sigma_gray=5.0, rng=np.random.default_rng(seed)).exposed(renderer.render(placed, None).gray)
         for seed in (1, 1, 2)
     )
     assert (one == same).all()
@@ -212,7 +213,7 @@ def test_noise_has_the_asked_spread_and_comes_from_the_seed(world: Make) -> None
 def test_light_makes_brighter(world: Make) -> None:
     faces, renderer = world(CAMERA, [])
     placed = Placed.at(CAMERA, faces, 0.0, 0.0, 0.0)
-    dim, normal = (renderer.render(placed, None, film=Film(light)).pixels.mean() for light in (0.5, 1.0))
+    dim, normal = (Film(light).exposed(renderer.render(placed, None).gray).mean() for light in (0.5, 1.0))
     assert dim == pytest.approx(normal / 2, rel=0.01)
 
 
@@ -231,9 +232,9 @@ def _unexplained(before: Frame, frame: Frame, mask: Bytes) -> float:
     x, y = np.meshgrid(np.arange(cols, dtype=np.float32), np.arange(rows, dtype=np.float32))
     from_x, from_y = x - frame.flow_px[..., 0], y - frame.flow_px[..., 1]
     warped = cv2.remap(before.pixels.astype(np.float32), from_x, from_y, cv2.INTER_CUBIC)
-    face = cv2.remap(before.face.astype(np.float32), from_x, from_y, cv2.INTER_NEAREST, borderValue=-2)
+    face = cv2.remap(before.surface.astype(np.float32), from_x, from_y, cv2.INTER_NEAREST, borderValue=-2)
     inside = (from_x > 2) & (from_x < cols - 3) & (from_y > 2) & (from_y < rows - 3)
-    same = (face == frame.face).astype(np.uint8) * inside.astype(np.uint8) * mask.astype(np.uint8)
+    same = (face == frame.surface).astype(np.uint8) * inside.astype(np.uint8) * mask.astype(np.uint8)
     same = cv2.erode(same, np.ones((5, 5), np.uint8)).astype(bool)
     assert same.sum() > 100
     return float(np.abs(warped - frame.pixels)[same].mean())

@@ -33,7 +33,7 @@ def test_every_pixel_shows_the_texture_of_its_point(
     frame = renderer.render(placed, None)
     face, depth = cast(camera, placed, faces)
     expected = _gray(camera, placed, faces, _atlas_of(renderer), face, depth)
-    error = np.abs(frame.pixels - expected)[(frame.face == face) & np.isfinite(depth)]
+    error = np.abs(frame.pixels - expected)[(frame.surface == face) & np.isfinite(depth)]
     assert error.mean() < 0.5, "rounding to a gray level is 0.25, to 1/32 of a texel the rest"
     assert (error > 2.0).mean() < 1e-3
 
