@@ -75,7 +75,7 @@ class Simulation(Source):
         0.0,
         ge=0.0,
         le=1.0,
-        doc="readout of a rolling shutter, from the first row to the last; the frame's stamp is that of the middle row. "
+        doc="readout of a rolling shutter, from the first row to the last; the frame's stamp is the middle row's. "
         "More shears and stretches what moves; 0 reads all rows at once",
         changes=_OF_CAMERA,
     )
@@ -246,7 +246,7 @@ class Simulation(Source):
         if (lens := self._lens()) is not None and lens.fault is not None:
             what = f"'distortion' {list(self.distortion)} {lens.fault}"
             raise ParamError(
-                "distortion", what, "give a smaller k1, a k2 of the other sign such as k1**2, or a smaller fov_deg"
+                "distortion", what, "give a k1 nearer to 0, a k2 of the other sign such as k1**2, or a smaller fov_deg"
             )
         low, high = self.auto_exposure_gain_ratio
         if low > high:
@@ -368,7 +368,7 @@ class Simulation(Source):
         return lambda after_s: Placed.at(camera, self._faces, *driven(pose, after_s), time_s + after_s)
 
     def _render(self, now: Any, before: Any, meanwhile: list[Any], rows: range | None) -> AnyFrame:
-        """Return the frame seen from ``now``, with the flow since ``before`` if that is given; of some rows or of all."""
+        """Return the frame seen from ``now``, with the flow since ``before``; of some rows, or of all."""
         return self._renderer.render(now, before, meanwhile=meanwhile, rows=rows)
 
     def _at_goal(self, pose: Pose) -> bool:

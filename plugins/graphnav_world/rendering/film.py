@@ -54,8 +54,7 @@ class Film:
         if self.jpeg_quality is None:
             return pixels
         _, encoded = cv2.imencode(".jpg", pixels, (cv2.IMWRITE_JPEG_QUALITY, self.jpeg_quality))
-        decoded: Bytes = cv2.imdecode(encoded, cv2.IMREAD_GRAYSCALE)
-        return decoded
+        return np.asarray(cv2.imdecode(encoded, cv2.IMREAD_GRAYSCALE), np.uint8)
 
 
 @lru_cache(maxsize=4)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Any
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
-from graphnav.arrays import Bools, Doubles, Floats, Indices
+from graphnav.arrays import Doubles, Floats, Ints
 from graphnav_world.rendering.camera import Camera
 
 NEWTON_STEPS = 20
@@ -76,15 +79,20 @@ class Lens:
     def shown(self, gray: Floats, rows: range, window: range) -> Floats:
         """Return what some rows show of gray values of the window's rows of the pinhole's picture."""
         x, y = (one[rows.start : rows.stop] for one in self.maps)
-        shown: Floats = cv2.remap(
-            gray, x, y - np.float32(window.start), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
+        below = y - np.float32(window.start)
+        shown: Floats = cv2.remap(gray, x, below, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         return shown
 
-    def samples(self, surface: Indices, rows: range, window: range) -> Samples:
-        """Return where some rows sample the window's rows; ``surface``: which one each of its pixels shows."""
-        x, y = (one[rows.start : rows.stop] for one in self.maps)
-        return Samples.of(x, y - np.float32(window.start), surface)
+    @cached_property
+    def samples(self) -> Callable[[range, range], Samples]:
+        """Where some rows sample a window of the pinhole's rows: a function of both, which keeps the last ones."""
+
+        @lru_cache(maxsize=self.camera.rows)
+        def samples(rows: range, window: range) -> Samples:
+            x, y = (one[rows.start : rows.stop] for one in self.maps)
+            return Samples(x, y, window.start, self.pinhole.cols)
+
+        return samples
 
     def distorted_px(self, pinhole_px: Doubles) -> Doubles:
         """Return where the lens shows points of the pinhole's picture, (x, y), float64 (..., 2)."""
@@ -143,42 +151,35 @@ class Lens:
         return undistorted
 
 
-@dataclass(frozen=True)
 class Samples:
-    """Where the pixels of a picture sample another one: between the four pixels around, or at the nearest.
+    """Where the pixels of some rows lie in the pinhole's picture, and values between the four pixels around each.
 
-    ``x``, ``y``: place, (rows, cols). ``nearest``: flat index. ``corner``: flat index of the upper left one of the four.
-    ``alike``: whether all four show the same surface, so that values between them are its own.
+    What shows one surface is interpolated; elsewhere the nearest pixel's value is taken. ``place``: x and y in all of
+    the pinhole's picture, (rows, cols, 2).
     """
 
-    x: Doubles
-    y: Doubles
-    nearest: Indices
-    corner: Indices
-    alike: Bools
-    cols: int
+    def __init__(self, x: Floats, y: Floats, first_row: int, cols: int) -> None:
+        left, above = np.floor(x), np.floor(y)
+        self._right, self._down = x - left, y - above
+        self._corner, self._cols = (above.astype(np.intp) - first_row) * cols + left.astype(np.intp), cols
+        self._nearest = self._corner + (self._right > 0.5) + cols * (self._down > 0.5)
+        self.place: Doubles = np.stack([x, y], axis=-1).astype(np.float64)
 
-    @classmethod
-    def of(cls, x: Floats, y: Floats, surface: Indices) -> Samples:
-        """Return the samples of places in a picture of these surfaces."""
-        rows, cols = surface.shape
-        left, above = (np.clip(np.floor(one), 0, n - 2).astype(np.intp) for one, n in ((x, cols), (y, rows)))
-        corner = above * cols + left
-        near = [np.clip(np.rint(one), 0, n - 1).astype(np.intp) for one, n in ((x, cols), (y, rows))]
-        of_corner = surface.take(corner)
-        alike = np.ones(x.shape, bool)
-        for shift in (1, cols, cols + 1):
-            alike &= surface.take(corner + shift) == of_corner
-        return cls(x.astype(np.float64), y.astype(np.float64), near[1] * cols + near[0], corner, alike, cols)
+    def nearest(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return the values of the nearest pixels; ``values``: (rows, cols)."""
+        return values.take(self._nearest)
 
-    def between(self, values: Floats) -> Doubles:
-        """Return values, (rows, cols) or with more axes, interpolated within a surface, else those of the nearest."""
-        flat = values.reshape(-1, *values.shape[2:]).astype(np.float64)
-        right, down = self.x - self.corner % self.cols, self.y - self.corner // self.cols
-        if flat.ndim > 1:
-            right, down = right[..., None], down[..., None]
-        upper = flat[self.corner] * (1 - right) + flat[self.corner + 1] * right
-        lower = flat[self.corner + self.cols] * (1 - right) + flat[self.corner + self.cols + 1] * right
-        alike = self.alike if flat.ndim == 1 else self.alike[..., None]
-        between: Doubles = np.where(alike, upper * (1 - down) + lower * down, flat[self.nearest])
-        return between
+    def between(self, values: Sequence[Floats], surface: Ints) -> list[Floats]:
+        """Return each of some values interpolated, all (rows, cols); ``surface``: which one each pixel shows."""
+        alike = surface[1:] == surface[:-1]
+        alike = alike[:, 1:] & alike[:, :-1] & (surface[1:, 1:] == surface[1:, :-1])
+        differs = np.flatnonzero(~np.pad(alike, ((0, 1), (0, 1))).take(self._corner))
+        nearest = self._nearest.reshape(-1).take(differs)
+        found = []
+        for one in values:
+            corners = [one.take(self._corner + shift) for shift in (0, 1, self._cols, self._cols + 1)]
+            upper, lower = (first + (second - first) * self._right for first, second in (corners[:2], corners[2:]))
+            between = upper + (lower - upper) * self._down
+            between.reshape(-1)[differs] = one.take(nearest)
+            found.append(between)
+        return found

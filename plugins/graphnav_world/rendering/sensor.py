@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from graphnav.arrays import Bytes, Floats, Indices, Ints
+from graphnav.arrays import Bytes, Floats, Ints
 from graphnav_world.rendering.camera import Camera
 from graphnav_world.rendering.lens import Lens, Samples
 
@@ -77,7 +77,7 @@ class Sensor:
         """Return the strips of a picture that moves so far during the readout: one, if it does not."""
         count = min(max(math.ceil(moving_px / STEP_PX), 1), self._rows)
         bounds = [round(k * self._rows / count) for k in range(count + 1)]
-        return [self._strip(range(first, stop)) for first, stop in zip(bounds, bounds[1:], strict=False)]
+        return [self._strip(range(first, stop)) for first, stop in pairwise(bounds)]
 
     def _strip(self, rows: range) -> Strip:
         window = rows if self._lens is None else self._lens.window(rows)
@@ -157,19 +157,19 @@ class Shown:
     @property
     def surface(self) -> Ints:
         """As of `AnyFrame`."""
-        return self.taken.surface.take(self._samples.nearest)
+        return self._samples.nearest(self.taken.surface)
 
     @property
     def obstacle(self) -> Bytes:
         """As of `AnyFrame`."""
-        return self.taken.obstacle.take(self._samples.nearest)
+        return self._samples.nearest(self.taken.obstacle)
 
     @property
     def depth_m(self) -> Floats:
         """As of `AnyFrame`."""
-        inverse_depth = self._samples.between(1 / self.taken.depth_m)
+        (inverse_depth,) = self._samples.between([np.reciprocal(self.taken.depth_m)], self.taken.surface)
         with np.errstate(divide="ignore"):
-            return np.reciprocal(inverse_depth).astype(np.float32)
+            return np.reciprocal(inverse_depth)
 
     @property
     def flow_px(self) -> Floats | None:
@@ -177,13 +177,13 @@ class Shown:
         flow = self.taken.flow_px
         if flow is None:
             return None
-        samples, first_row = self._samples, self.strip.window.start
-        now = np.stack([samples.x, samples.y + first_row], axis=-1)
-        then = self.lens.distorted_px(now - samples.between(flow))
-        shown: Floats = (self.lens.distorted_px(now) - then).astype(np.float32)
-        return shown
+        moved = np.stack(self._samples.between([flow[..., 0], flow[..., 1]], self.taken.surface), axis=-1)
+        before = self._samples.place - moved
+        rows, cols = np.indices(moved.shape[:2])
+        now = np.stack([cols, rows + self.strip.rows.start], axis=-1)
+        displaced: Floats = (now - self.lens.distorted_px(before)).astype(np.float32)
+        return displaced
 
-    @cached_property
+    @property
     def _samples(self) -> Samples:
-        surface: Indices = self.taken.surface
-        return self.lens.samples(surface, self.strip.rows, self.strip.window)
+        return self.lens.samples(self.strip.rows, self.strip.window)

@@ -24,7 +24,8 @@ class Visible:
 
     ``face``: of each prim in view, (prims,); ``per_ray``: float64 (3, prims), its inverse depth (1/m, along the optical
     axis) as a linear function of a pixel's ray in C. ``prim`` (one of these) and ``row``, (runs,). ``run``, ``pixel``
-    (flat index from the first of the rows that were looked for), ``x`` (columns right of the principal point) and ``inverse_depth``, (pixels,).
+    (flat index from the first of the rows that were looked for), ``x`` (columns right of the principal point) and
+    ``inverse_depth``, (pixels,).
     """
 
     face: Indices
