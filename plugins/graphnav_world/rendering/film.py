@@ -22,7 +22,7 @@ DISC_SAMPLES = 16
 
 @dataclass(frozen=True)
 class Film:
-    """What makes a picture of gray values, in this order.
+    """Steps that make a picture of gray values, in this order.
 
     ``defocus_px``: radius of the disc into which the lens spreads a point. ``light``: brightness. ``noise_sigma_gray``:
     of the noise that ``rng`` draws. White is at 255. ``jpeg_quality``: of a compression that loses detail, or None.

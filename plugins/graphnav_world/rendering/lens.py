@@ -33,7 +33,7 @@ class Lens:
 
     @cached_property
     def fault(self) -> str | None:
-        """What keeps it from making a picture, None if nothing does."""
+        """Return why it makes no picture, None if it does."""
         # the ratio of radii rises with the radius to 1 (barrel), or falls: its inverse exists up to the first zero of
         # the derivative of the distorted radius, 1 + 3 k1 r**2 + 5 k2 r**4
         end = self._monotonic_to()

@@ -134,7 +134,7 @@ class Joined:
 
 @dataclass(frozen=True)
 class Shown:
-    """What a strip shows of the pinhole's frame, ``taken``, through a lens.
+    """The view of a strip, of the pinhole's frame ``taken`` through a lens.
 
     The mask is that of the nearest pixel of the pinhole's picture. Depth and flow are interpolated where the pixels
     around show one surface, else theirs; inverse depth is linear in the picture of a plane, so that its depth is exact.

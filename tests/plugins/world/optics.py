@@ -1,4 +1,4 @@
-"""What every simulator's camera must do with its optics, as functions of the simulator."""
+"""Properties that every simulator's camera must have with its optics, as functions of the simulator.
 
 from __future__ import annotations
 

@@ -163,14 +163,14 @@ def test_rows_are_those_of_the_picture(rows: range, extra: dict[str, Any], maps:
     world.reset(3)
     x, y, yaw = world._draw.start
     then, now = (Placed.at(world._camera, world._faces, x + k * 0.03, y, yaw, 0.1 * k) for k in (0, 1))
-    whole, part = (world._renderer.render(now, then, rows=one) for one in (None, rows))
+    complete, part = (world._renderer.render(now, then, rows=one) for one in (None, rows))
     cut = slice(rows.start, rows.stop)
-    np.testing.assert_allclose(part.gray, whole.gray[cut], atol=1e-3)
-    assert np.array_equal(part.surface, whole.surface[cut])
-    np.testing.assert_allclose(part.depth_m, whole.depth_m[cut], rtol=1e-5)
+    np.testing.assert_allclose(part.gray, complete.gray[cut], atol=1e-3)
+    assert np.array_equal(part.surface, complete.surface[cut])
+    np.testing.assert_allclose(part.depth_m, complete.depth_m[cut], rtol=1e-5)
     assert part.flow_px is not None
-    assert whole.flow_px is not None
-    np.testing.assert_allclose(part.flow_px, whole.flow_px[cut], atol=1e-3)
+    assert complete.flow_px is not None
+    np.testing.assert_allclose(part.flow_px, complete.flow_px[cut], atol=1e-3)
 
 
 def test_strips_are_read_from_top_to_bottom_around_the_stamp() -> None:
