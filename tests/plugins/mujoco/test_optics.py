@@ -57,16 +57,16 @@ def test_rows_are_those_of_the_picture(rows: range, maps: Path) -> None:
         eye_of(world._camera, *planar_base(x + 0.03 * k, y, yaw), positions(world._base.movers, 0.1 * k))
         for k in (0, 1)
     )
-    whole, part = (world._render(now, then, [], one) for one in (None, rows))
+    complete, part = (world._render(now, then, [], one) for one in (None, rows))
     world.close()
     cut = slice(rows.start, rows.stop)
-    assert np.abs(part.gray - whole.gray[cut]).mean() < 0.5, "OpenGL rounds by the place in the viewport"
-    same = part.surface == whole.surface[cut]
+    assert np.abs(part.gray - complete.gray[cut]).mean() < 0.5, "OpenGL rounds by the place in the viewport"
+    same = part.surface == complete.surface[cut]
     assert same.mean() > 0.99
-    np.testing.assert_allclose(part.depth_m[same], whole.depth_m[cut][same], rtol=1e-4)
+    np.testing.assert_allclose(part.depth_m[same], complete.depth_m[cut][same], rtol=1e-4)
     assert part.flow_px is not None
-    assert whole.flow_px is not None
-    np.testing.assert_allclose(part.flow_px[same], whole.flow_px[cut][same], atol=0.01)
+    assert complete.flow_px is not None
+    np.testing.assert_allclose(part.flow_px[same], complete.flow_px[cut][same], atol=0.01)
 
 
 def test_an_upright_edge_leans_in_a_turn(tmp_path: Path) -> None:

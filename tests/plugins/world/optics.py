@@ -1,4 +1,4 @@
-"""Properties that every simulator's camera must have with its optics, as functions of the simulator.
+"""Properties that every simulated camera must have with its optics, as functions of the simulator."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphnav_world.rendering.camera import Camera
 from graphnav_world.world import CameraWorld, WorldOutputs
 
 from graphnav import Image, Latest, Stamp, Twist
-from graphnav.arrays import Bytes, Doubles
+from graphnav.arrays import Bools, Bytes, Doubles, Ints
 
 World = Callable[..., CameraWorld]
 TICK_S = 0.1
@@ -52,13 +52,19 @@ def lean_errors_px(make: World, folder: Path) -> Doubles:
     assert len(rows) > 80, "the post is seen in most rows"
     after_s = readout_s * (rows - (camera.rows - 1) / 2) / (camera.rows - 1)
     errors = []
-    for edge in (lambda mask: mask.argmax(axis=1), lambda mask: camera.cols - 1 - mask[:, ::-1].argmax(axis=1)):
-        at, leaning = edge(still[rows]), edge(rolling[rows])
+    for mirrored in (False, True):
+        at, leaning = (_first_column(mask[rows], mirrored=mirrored) for mask in (still, rolling))
         from_axis = (at - camera.center_px[0]) / camera.focal_px
         moved_px = camera.focal_px * state.omega_radps * after_s * (1 + from_axis**2)
         assert np.ptp(moved_px) > 8.0
         errors.append(leaning - at - moved_px)
     return np.concatenate(errors)
+
+
+def _first_column(mask: Bools, *, mirrored: bool) -> Ints:
+    """Return the first column of each row in a mask, or the last one."""
+    first: Ints = (mask[:, ::-1] if mirrored else mask).argmax(axis=1)
+    return mask.shape[1] - 1 - first if mirrored else first
 
 
 def standing_pictures(make: World, map_file: Path, **optics: Any) -> list[bytes]:
@@ -92,7 +98,7 @@ def undistorted(make: World, map_file: Path, folder: Path, distortion: tuple[flo
 
 def smoothed(picture: Bytes) -> Doubles:
     """Return a picture without what interpolation blurs."""
-    return cv2.GaussianBlur(picture.astype(np.float64), (0, 0), 1.5)
+    return np.asarray(cv2.GaussianBlur(picture.astype(np.float64), (0, 0), 1.5), np.float64)
 
 
 def unprepared_gray(found: dict[str, Bytes]) -> tuple[float, float]:

@@ -295,7 +295,7 @@ def test_the_gain_keeps_its_bounds() -> None:
 
 
 def test_dark_light_is_amplified_with_its_noise(maps: Path) -> None:
-    params = {"contrast_ratio": 0.0, "noise_sigma_gray": 2.0, "light_ratio": 0.2}
+    params: dict[str, Any] = {"contrast_ratio": 0.0, "noise_sigma_gray": 2.0, "light_ratio": 0.2}
     fixed, adapted = (
         last(Pymunk, maps / "empty.yaml", auto_exposure_s=one, **params).image.pixels.astype(float)
         for one in (None, 0.5)
@@ -307,7 +307,7 @@ def test_dark_light_is_amplified_with_its_noise(maps: Path) -> None:
 
 
 def test_what_is_brighter_than_white_is_lost_to_the_gain(maps: Path) -> None:
-    params = {"light_ratio": 8.0, "auto_exposure_s": 0.5}
+    params: dict[str, Any] = {"light_ratio": 8.0, "auto_exposure_s": 0.5}
     clipped, bounded = (
         last(Pymunk, maps / "empty.yaml", auto_exposure_gain_ratio=one, **params).image.pixels
         for one in ((0.01, 8.0), (1.0, 8.0))
