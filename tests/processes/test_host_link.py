@@ -300,7 +300,7 @@ def test_both_ends_know_the_clock_of_the_other_one(pair: Pair, monkeypatch: pyte
     for k, step_s in enumerate((0.3, -3600.0), 1):
         ahead_ns[0] += round(step_s * 1e9)
         until(lambda k=k: near.clock.n_steps == k, lambda: turn(near, far))  # type: ignore[misc]
-        assert near.clock.step_s == pytest.approx(step_s, abs=near.clock_state().round_trip_s + 1e-3)  # type: ignore[union-attr]
+        assert near.clock.step_s == pytest.approx(step_s, abs=0.1), "within what busy processors make of a round trip"
         until(lambda: are_right(ahead_ns[0] * 1e-9), lambda: turn(near, far))
     assert far.clock.n_steps == 0, "its own clock was set"
     n_answers = far.clock.n_answers

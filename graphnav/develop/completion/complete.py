@@ -141,8 +141,11 @@ def override_candidates(text: str, uses: Mapping[str, str], index: Index, *, man
 def _values(target: str, uses: Mapping[str, str], index: Index) -> Sequence[str]:
     stage, dot, param = target.partition(".")
     if not dot:
-        family = uses.get(stage, "").partition(".")[0]
-        return [use for use in index.params if use.partition(".")[0] == family or stage not in uses]
+        if stage not in uses:
+            return list(index.params)
+        now = uses[stage]
+        alike = [use for use in index.params if use.partition(".")[0] == now.partition(".")[0]]
+        return alike if now in index.filters else [use for use in alike if use not in index.filters]
     if stage == "run":
         return index.run_options.get(param, [])
     if param.startswith("in."):

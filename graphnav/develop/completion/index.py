@@ -31,6 +31,8 @@ class Index:
     """By stage (``plane.ica``) and parameter: the values, where they can be listed."""
     ports: dict[str, list[str]] = field(default_factory=dict)
     """Inputs by stage."""
+    filters: list[str] = field(default_factory=list)
+    """Stages that need a message such as they write, and so cannot take the place of what makes it."""
     run_options: dict[str, list[str]] = field(default_factory=dict)
     graphs: dict[str, dict[str, str]] = field(default_factory=dict)
     """Graphs that ship: the stage class of each stage."""
@@ -70,7 +72,11 @@ def _add_stages(index: Index, catalog: Catalog, family: str) -> None:
         cls = catalog.stage(f"{family}.{name}")
         values = {param.name: _values(param.type, _files_for(param.name, index)) for param in params_of(cls).values()}
         index.params[f"{family}.{name}"] = values
-        index.ports[f"{family}.{name}"] = [port.name for port in ports_of(cls).inputs]
+        ports = ports_of(cls)
+        index.ports[f"{family}.{name}"] = [port.name for port in ports.inputs]
+        made = {port.message for port in ports.outputs}
+        if any(port.message in made and not (port.latest or port.since) for port in ports.inputs):
+            index.filters.append(f"{family}.{name}")
 
 
 def _add_graphs(index: Index, catalog: Catalog) -> None:

@@ -39,6 +39,13 @@ def test_every_stage_that_can_be_swapped_in_loads(index: Index) -> None:
         load_graph("corridor_ccw", Catalog(), [Override.parse(override)])
 
 
+def test_a_stage_that_needs_what_it_writes_is_offered_where_it_can_stand(index: Index) -> None:
+    uses = index.graphs["video_prior"]
+    assert "plane=plane.prior" not in override_candidates("plane=", uses, index)
+    assert "prior=plane.prior" in override_candidates("prior=", uses, index)
+    assert "behind+=plane.prior" in override_candidates("behind+=", uses, index)
+
+
 def test_values_that_can_be_listed_are_accepted(index: Index) -> None:
     uses = index.graphs["corridor_ccw"]
     for text in ("plane.rule=", "robot.map=", "plane.centred=", "run.record="):
