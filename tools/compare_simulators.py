@@ -91,7 +91,7 @@ class Both:
         )
         retina = self.other._retina  # noqa: SLF001
         assert retina is not None
-        return self.ours._renderer.render(*placed), retina.frame(now_eye, then_eye, [], None)  # noqa: SLF001
+        return self.ours._renderer.render(*placed), retina.frame(now_eye, then_eye)  # noqa: SLF001
 
     def poses(self, count: int) -> list[Pose]:
         """Return random poses outside of all bodies, within 2.5 m of the start and on to the goal."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from graphnav_world.geometry.scene import SUN_W
 from graphnav_world.rendering.camera import Camera
+from graphnav_world.rendering.render import MIN_DEPTH_RATIO
 
 from graphnav.arrays import Bools, Bytes, Doubles, Floats, Ints
 from graphnav_mujoco import engine
@@ -20,8 +21,6 @@ _GL_FROM_C = np.array([1.0, -1.0, -1.0])
 """OpenGL's cameras have y up and look along -z."""
 GREEN = 1
 _SEGMENT_BASES = np.array([1, 1 << 8, 1 << 16])
-NEAREST_RATIO = 1e-6
-"""Minimum of a point's former depth over the present one: flow stays finite."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ class MujocoFrame:
         for k, moved in enumerate(now.moving - before.moving):
             points[mover == k, :2] -= moved
         points_C = points @ before.R_WC
-        points_C[..., 2] = np.maximum(points_C[..., 2], NEAREST_RATIO * depth)
+        points_C[..., 2] = np.maximum(points_C[..., 2], MIN_DEPTH_RATIO * depth)
         rows, cols = np.indices(depth.shape)
         rows += self.first_row
         flow: Floats = (np.stack([cols, rows], axis=-1) - before.camera.project(points_C)).astype(np.float32)

@@ -43,7 +43,10 @@ Eyes = Callable[[float], Any]
 
 
 class Simulation(Source):
-    """A robot with a camera in a world of walls, obstacles and floor, in a pymunk space."""
+    """A robot with a camera in a world of walls, obstacles and floor.
+
+    Simulators derive from it, and say where the camera of a frame is (`_eyes`) and what it sees from there (`_render`).
+    """
 
     reproducible: ClassVar = ("truth",)
 

@@ -33,9 +33,8 @@ class Lens:
 
     @cached_property
     def fault(self) -> str | None:
-        """Return why it makes no picture, None if it does."""
-        # the ratio of radii rises with the radius to 1 (barrel), or falls: its inverse exists up to the first zero of
-        # the derivative of the distorted radius, 1 + 3 k1 r**2 + 5 k2 r**4
+        """Reason why it makes no picture, None if it does."""
+        # the distorted radius rises up to the first zero of its derivative, 1 + 3 k1 r**2 + 5 k2 r**4
         end = self._monotonic_to()
         if self._distorted_radius(end) <= self._corner:
             seen = self._distorted_radius(end) * self.camera.focal_px

@@ -22,7 +22,7 @@ from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.visibility import Visible, ZBuffer
 
 FLOOR = -1
-_MIN_DEPTH_RATIO = np.float32(1e-6)
+MIN_DEPTH_RATIO = np.float32(1e-6)
 """Minimum of a point's former depth over the present one: flow stays finite."""
 
 
@@ -159,7 +159,7 @@ class TrueFlow:
             at, inverse = seen.pixel.take(of_body), seen.inverse_depth.take(of_body)
             for axis, moved in enumerate((before.R_WC.T @ moved_W).astype(np.float32)):
                 past[axis].reshape(-1)[at] -= inverse * moved
-        per_depth = self._focal_px / np.maximum(past[2], _MIN_DEPTH_RATIO, out=past[2])
+        per_depth = self._focal_px / np.maximum(past[2], MIN_DEPTH_RATIO, out=past[2])
         for axis, from_center in enumerate((self._from_center_x, self._from_center_y[rows])):
             past[axis] *= per_depth
             np.subtract(from_center, past[axis], out=past[axis])
