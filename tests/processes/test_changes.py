@@ -52,6 +52,12 @@ class Running:
         link.connect(str(path))
         return link
 
+    def goes_on_after(self, changes: int) -> bool:
+        """Whether the log holds so many changes, and what a stage made after the last."""
+        with Recording(self.folder / RunFolder.LOG) as recording:
+            made = [at for at, *_ in recording.messages(Changed.CHANNEL)]
+            return len(made) >= changes and max(at for at, *_ in recording.messages("open.sum")) > made[-1]
+
     def end(self) -> None:
         """Stop the run."""
         assert main(["stop", self.run.run_id]) == 0
@@ -103,6 +109,7 @@ def test_a_replay_repeats_all_changes(
     assert "both: steps.both swapped for steps.pass; defaults: at=0" in told
     assert "both.two: gone with its wire to open.sum" in told
     assert f"run {running.run.run_id}: first=steps.both, first.in.two=clock from " in told
+    wait_until(lambda: running.goes_on_after(6))
     running.end()
     assert (running.folder / RunFolder.GRAPH).read_text() == graph
     made = running.summary["changes"]
