@@ -156,6 +156,12 @@ from .core.messages import (
     Twist as Twist,
 )
 from .core.mount import Mount as Mount
+from .core.numeric_fields import (
+    message_from as message_from,
+)
+from .core.numeric_fields import (
+    numeric_fields as numeric_fields,
+)
 from .core.record import Recording as Recording
 from .core.scene import (
     Scene as Scene,

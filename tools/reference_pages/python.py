@@ -25,7 +25,7 @@ _GROUPS = {
     "Write a stage": (
         *("Stage", "Source", "Message", "param", "Latest", "Since", "Stamped", "Stamp", "Age", "Finished", "Role"),
         *("Metric", "MEASURED", "UNDEFINED"),
-        *("hookimpl", "Continuity", "block_mean", "block_sum", "coarsen"),
+        *("hookimpl", "Continuity", "block_mean", "block_sum", "coarsen", "numeric_fields", "message_from"),
     ),
     "Write an adapter or a drawing": ("Adapter", "PictureContext", "Scene", "SceneArea", "VideoFrames"),
     "Read a file of your own": ("FileFormat", "Record", "key", "Range", "Value"),

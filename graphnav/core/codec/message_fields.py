@@ -62,7 +62,7 @@ def _wrong_kinds(message: type[Message], expected: dict[str, Field]) -> Iterator
 
 def _fits(hint: Any, field: Field) -> bool:
     """Whether an annotation is of the kind of a field; true where that is not clear."""
-    dtype = _dtype(hint)
+    dtype = array_dtype(hint)
     if field.struct is None and field.primitive != "string" and field.dims and dtype is not None:
         return np.can_cast(dtype, np.dtype(PRIMITIVES[field.primitive].replace("q", "i8")), "safe")
     if hint in (int, float, bool, str):
@@ -71,7 +71,7 @@ def _fits(hint: Any, field: Field) -> bool:
     return dtype is None or bool(field.dims)
 
 
-def _dtype(hint: Any) -> np.dtype[Any] | None:
+def array_dtype(hint: Any) -> np.dtype[Any] | None:
     """Return the dtype of ``NDArray[...]``, None for anything else."""
     if get_origin(hint) is not np.ndarray:
         return None
@@ -80,5 +80,5 @@ def _dtype(hint: Any) -> np.dtype[Any] | None:
 
 
 def _written(hint: Any) -> str:
-    dtype = _dtype(hint)
+    dtype = array_dtype(hint)
     return f"an array of {dtype}" if dtype is not None else getattr(hint, "__name__", str(hint))
