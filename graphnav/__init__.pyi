@@ -231,6 +231,8 @@ from .core.stage import (
 )
 from .develop.profile_function import profile as profile
 from .develop.profiling import Profile as Profile
+from .learning.make_env import make_env as make_env
+from .learning.make_env import make_vec_env as make_vec_env
 from .studies.api.ablate import ablate as ablate
 from .studies.api.finished_study import Study as Study
 from .studies.api.tune import Tuned as Tuned

@@ -12,7 +12,7 @@ from types import ModuleType
 
 from graphnav.core.errors import GraphnavError
 
-ROOMS = ("live", "processes", "studies", "replay", "watch", "develop")
+ROOMS = ("live", "processes", "studies", "replay", "watch", "develop", "learning")
 
 
 class MissingRoomError(GraphnavError):

@@ -53,7 +53,7 @@ class Plan:
 def make_plan(
     graph: Graph, play: Sequence[str] = (), reproduced: Collection[str] = (), changes: Sequence[StageChange] = ()
 ) -> Plan:
-    """Return the plan that plays sources, inputs, and the channels ``play`` (``stage.port``).
+    """Return the plan that plays sources, agents, inputs, and the channels ``play`` (``stage.port``).
 
     ``reproduced``: channels of sources that are not played, because their sources make them again, by reference.
     ``changes``: of stages while the run went on.
@@ -65,11 +65,12 @@ def make_plan(
     """
     began, later = graph, tuple(change.node for change in changes)
     graph = replace(graph, nodes=(*graph.nodes, *later), order=(*graph.order, *later))
-    played = {channel.ref for node in graph.sources for channel in node.outputs.values()} | set(graph.inputs)
+    given = (node for node in graph.nodes if node.is_source or node.stage_class.is_agent)
+    played = {channel.ref for node in given for channel in node.outputs.values()} | set(graph.inputs)
     for word in play:
         played |= _refs(graph, word)
-    given, played = played, played.difference(reproduced)
-    stepping = {n.name for n in graph.order if not n.outputs or any(c.ref not in given for c in n.outputs.values())}
+    recorded, played = played, played.difference(reproduced)
+    stepping = {n.name for n in graph.order if not n.outputs or any(c.ref not in recorded for c in n.outputs.values())}
     not_needed = []
     while (idle := _idle(graph, stepping)) is not None:
         stepping.discard(idle)

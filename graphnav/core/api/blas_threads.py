@@ -42,12 +42,18 @@ _blas = _BlasLimit()
 @contextmanager
 def one_thread() -> Iterator[None]:
     """Limit the loaded libraries to one thread each; OpenMP only for the calling thread."""
-    with _limited("openmp"):
-        _blas.enter()
-        try:
-            yield
-        finally:
-            _blas.leave()
+    with _limited("openmp"), one_blas_thread():
+        yield
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Limit BLAS to one thread; OpenMP, by which learners compute, keeps its own."""
+    _blas.enter()
+    try:
+        yield
+    finally:
+        _blas.leave()
 
 
 def _limited(kind: str) -> Any:

@@ -147,6 +147,14 @@ class Lockstep:
                 return outcome
 
     def _tick(self) -> str | None:
+        outcome = self._fire_sources()
+        for unit in self._order:
+            self.engine.fire_complete(unit, self.engine.utime)
+        self.engine.ticks += 1
+        return outcome
+
+    def _fire_sources(self) -> str | None:
+        """Begin the next tick: fire the sources that are due; return the outcome if one of them ended the run."""
         self.engine.utime = stamp = self._due[0][0]
         outcome = None
         while self._due[0][0] == stamp:
@@ -154,7 +162,4 @@ class Lockstep:
             source = self._sources[place]
             outcome = self.engine.fire_at(source, stamp) or outcome
             heapq.heappush(self._due, (source.due_us(k + 1), place, k + 1))
-        for unit in self._order:
-            self.engine.fire_complete(unit, stamp)
-        self.engine.ticks += 1
         return outcome

@@ -5,7 +5,7 @@ from graphnav.core.stage.former_names import FormerNames
 from graphnav.core.stage.metric import MEASURED, UNDEFINED, Better, Metric, metrics_of
 from graphnav.core.stage.param import Param, param, params_of
 from graphnav.core.stage.port import Age, Latest, Port, Since, Stamp, Stamped, ports_of
-from graphnav.core.stage.run_metrics import reported_metrics
+from graphnav.core.stage.run_metrics import measured_metrics, reported_metrics
 from graphnav.core.stage.stage import (
     MAY_READ_TRUTH,
     Finished,
@@ -43,6 +43,7 @@ __all__ = [
     "params_of",
     "plain_data",
     "ports_of",
+    "measured_metrics",
     "reported_metrics",
     "summary_of",
     "tell_readers",

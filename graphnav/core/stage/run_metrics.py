@@ -10,6 +10,17 @@ from graphnav.core.stage.metric import MEASURED, UNDEFINED, metrics_of
 from graphnav.core.stage.stage import Stage
 
 
+def measured_metrics(stage: Stage) -> dict[str, float]:
+    """Return what a stage has measured of a run so far, by name, whatever will become of the drive.
+
+    Raises
+    ------
+    DeclarationError
+        As `reported_metrics`.
+    """
+    return _values(stage, metrics_of(type(stage)))
+
+
 def reported_metrics(stage: Stage) -> dict[str, float]:
     """Return the metrics of a stage after a run, by name; one that is not defined for this run is missing.
 

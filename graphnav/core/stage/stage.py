@@ -60,6 +60,8 @@ class Stage:
     """The metrics that `summary` returns."""
     is_guard: ClassVar[bool] = False
     """Whether it stops the robot on late, lost or blind inputs: only a guard may write a motor channel."""
+    is_agent: ClassVar[bool] = False
+    """Whether what it publishes is decided outside of the graph, as by a learner: a log keeps it, a replay plays it."""
     unnoticed: ClassVar[tuple[Unnoticed, ...]] = ()
     """Faults that a guard cannot notice where inputs of it are not wired, told where it writes a motor channel."""
 

@@ -42,14 +42,15 @@ def open_log(run: RunOptions, path: Path) -> Log:
 def complete_channels(graph: Graph, option: RecordOption, *, is_live: bool) -> frozenset[str]:
     """Return the names of the channels of which a log keeps every message.
 
-    ``replayable``: those that no replay makes again, which are inputs and outputs of sources, except reproducible ones
-    of a lockstep run; and those with which sources of reproducible outputs were stepped.
+    ``replayable``: those that no replay makes again, which are inputs, outputs of agents and of sources, except
+    reproducible ones of a lockstep run; and those with which sources of reproducible outputs were stepped.
     """
     if option == "small":
         return frozenset()
     if option == "all":
         return frozenset(channel.name for channel in graph.channels.values())
     found = {graph.channels[ref].name for ref in graph.inputs}
+    found.update(channel.name for node in graph.nodes if node.stage_class.is_agent for channel in node.outputs.values())
     for node in graph.sources:
         left_out = () if is_live else node.reproducible
         found.update(channel.name for channel in node.outputs.values() if channel not in left_out)

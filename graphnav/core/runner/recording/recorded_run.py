@@ -107,10 +107,15 @@ class RecordedRun:
                 if self.engine is None:
                     raise
                 self.outcome = Outcome.STOPPED
-            summary = self._summary()
-            self._write(summary)
+            summary = self.summarise()
             if interrupt.asked and summary.outcome not in (Outcome.STOPPED, Outcome.FAILED):
                 raise CtrlC  # nothing may follow
+        return summary
+
+    def summarise(self) -> Summary:
+        """Write and return the summary; raises GraphnavError if it cannot be written."""
+        summary = self._summary()
+        self._write(summary)
         return summary
 
     def read_scores(self) -> None:
