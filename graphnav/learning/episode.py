@@ -174,7 +174,9 @@ class _Record:
             self._writer = self._run.open_log(folder / RunFolder.LOG)
         except OSError as error:
             raise UserError.of(f"record: cannot write into {folder}: {error.strerror}", "choose another") from error
-        self.sinks: Sequence[Sink] = [self._run.kept(self._writer, None, is_live=False)]
+        self._kept = self._run.kept(self._writer, None, is_live=False)
+        self._tick = _NewestTick(self._kept)
+        self.sinks: Sequence[Sink] = [self._tick]
 
     def begin(self, schedule: SplitLockstep) -> None:
         """Write the first event."""
@@ -191,8 +193,12 @@ class _Record:
         """Take back the last command, read the scores, and complete log and summary."""
         run, engine = self._run, self._schedule.engine
         run.outcome = outcome
+        commands = {channel.name for channel in self._graph.commands}
         with run.failures.noted():
-            engine.give_stops(engine.sinks)
+            if self._tick.holds(commands):
+                self._tick.release()
+            engine.give_stops([self._kept])
+            self._tick.release()
         run.read_scores()
         run.failures.close(engine.close)
         run.failures.close(self._writer.close)
@@ -201,6 +207,35 @@ class _Record:
     def _measured(self) -> Measured:
         wall_s = time.monotonic() - self._begin_s
         return Measured(sim_s=self._schedule.engine.utime / 1e6, wall_s=wall_s, behind_s=0.0, tap_dropped=0)
+
+
+class _NewestTick:
+    """A sink that holds the messages of the newest tick back, so that stops can stand before it.
+
+    They have the stamp of the last command, and the last tick of an episode has none.
+    """
+
+    def __init__(self, sink: Sink) -> None:
+        self._sink = sink
+        self._utime = 0
+        self._held: list[tuple[str, int, bytes]] = []
+
+    def write(self, channel: str, utime: int, data: bytes) -> None:
+        """Hold a message; pass on those before if it begins another tick."""
+        if utime > self._utime:
+            self.release()
+            self._utime = utime
+        self._held.append((channel, utime, data))
+
+    def holds(self, channels: Collection[str]) -> bool:
+        """Whether a message of one of the channels is held."""
+        return any(channel in channels for channel, _, _ in self._held)
+
+    def release(self) -> None:
+        """Pass on what is held."""
+        held, self._held = self._held, []
+        for message in held:
+            self._sink.write(*message)
 
 
 def channel_of(graph: Graph, kind: type[Message]) -> Channel | None:

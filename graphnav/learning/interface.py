@@ -120,7 +120,8 @@ def _observed(graph: Graph, word: str, *, truth: bool) -> tuple[Channel, str]:
     channel, field = _named(graph, word, "observe"), ""
     if channel is None:
         before, _, field = word.rpartition(".")
-        channel = _named(graph, before, "observe") if before else None
+        found = _matching(graph, before)
+        channel = found[0] if len(found) == 1 else None
     if channel is None:
         raise _unknown(graph, word, "observe")
     if graph.node(channel.stage).stage_class.role == "score":
@@ -165,16 +166,20 @@ def _deciding(graph: Graph) -> list[str]:
 
 def _named(graph: Graph, word: str, option: str) -> Channel | None:
     """Return the channel of ``stage.port``, of a name on the bus, or of a stage with one, None if there is none."""
-    for channel in graph.channels.values():
-        if word in (channel.ref, channel.name):
-            return channel
-    of_stage = [channel for channel in graph.channels.values() if channel.stage == word]
-    if len(of_stage) > 1 and option == "act":
-        of_stage = [channel for channel in of_stage if channel.ref in graph.read]
-    if len(of_stage) > 1:
-        what = f"{option}: '{word}' publishes {', '.join(channel.ref for channel in of_stage)}"
-        raise UserError.of(what, f"name one of them: {option}='{of_stage[0].ref}'")
-    return of_stage[0] if of_stage else None
+    found = _matching(graph, word)
+    if len(found) > 1 and option == "act":
+        found = [channel for channel in found if channel.ref in graph.read]
+    if len(found) > 1:
+        what = f"{option}: '{word}' publishes {', '.join(channel.ref for channel in found)}"
+        raise UserError.of(what, f"name one of them: {option}='{found[0].ref}'")
+    return found[0] if found else None
+
+
+def _matching(graph: Graph, word: str) -> list[Channel]:
+    """Return the channel of ``stage.port`` or of a name on the bus, else those of a stage."""
+    channels = list(graph.channels.values())
+    named = [channel for channel in channels if word in (channel.ref, channel.name)]
+    return named[:1] or [channel for channel in channels if channel.stage == word]
 
 
 def _unknown(graph: Graph, word: str, option: str) -> UserError:
