@@ -35,8 +35,8 @@ def numeric_fields(message: Message) -> dict[str, Array]:
     """Return the numbers of a message by the names of its fields, in the order of their declaration.
 
     An array has its own shape, a scalar is of shape (1,). Integers in arrays keep their type (uint8 for pixels and
-    masks); floats, and every scalar, are float32, in which networks compute: a scalar is rounded to 24 bits. Strings and
-    lists of strings are left out. An array of float32 or integers is the message's own, which is read-only if received.
+    masks); floats, and every scalar, are float32, in which networks compute: a scalar is rounded to 24 bits. Strings
+    and lists of strings are left out. An array of float32 or integers is the message's own: read-only if received.
     """
     message_class: type = type(message)
     return {
@@ -49,9 +49,10 @@ def numeric_fields(message: Message) -> dict[str, Array]:
 def message_from(message_class: type[M], arrays: Mapping[str, npt.ArrayLike], **others: Any) -> M:
     """Return the message of a class whose numeric fields are ``arrays``, as `numeric_fields` names and shapes them.
 
-    ``others``: fields as the message holds them, such as strings; ``arrays`` come before them, and defaults of the class
-    after. Elements become those of the field: for integers they are rounded and limited to the type's range (of 64 bits
-    to 2**53), for a boolean 0.5 or more is true. Whether floats are finite is checked where the message is published.
+    ``others``: fields as the message holds them, such as strings; ``arrays`` come before them, and defaults of the
+    class after. Elements become those of the field: for integers they are rounded and limited to the type's range (of
+    64 bits to 2**53), for a boolean 0.5 or more is true. Whether floats are finite is checked where the message is
+    published.
 
     Raises
     ------

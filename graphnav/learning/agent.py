@@ -31,7 +31,7 @@ class Agent(Stage):
 def agent_class(interface: Interface) -> type[Stage]:
     """Return the class of the agent's stage, whose ports are those of its interface."""
     port, message = interface.acts.port, interface.acts.message
-    outputs = NamedTuple("AgentOutputs", [(port, message)])  # type: ignore[misc] # its fields are of the graph
+    outputs = _outputs_of(port, message)
 
     def step(self: Any, **_inputs: Any) -> Any:
         return outputs(self.answer)
@@ -45,13 +45,20 @@ def agent_class(interface: Interface) -> type[Stage]:
     return type("Agent", (Agent,), {"__module__": __name__, "step": step, "role": role})
 
 
+def _outputs_of(port: str, message: type[Message]) -> Any:
+    """Return the NamedTuple of one output."""
+    return NamedTuple("AgentOutputs", [(port, message)])
+
+
 def agent_source(interface: Interface) -> str:
     """Return the agent's stage as a one-file plugin, with which the run folder of an episode loads again."""
     messages = list(dict.fromkeys([interface.acts.message, *(one.channel.message for one in interface.observed)]))
     names = {message: f"_{place}" for place, message in enumerate(messages)}
     imports = [f"from {message.__module__} import {message.__name__} as {name}" for message, name in names.items()]
     kinds = {one.port: names[one.channel.message] for one in interface.observed}
-    inputs = [f"{one.port}: {f'Latest[{kinds[one.port]}]' if one.sampled else kinds[one.port]}" for one in interface.observed]
+    inputs = [
+        f"{one.port}: {f'Latest[{kinds[one.port]}]' if one.sampled else kinds[one.port]}" for one in interface.observed
+    ]
     role = "oracle" if interface.sees_truth else "method"
     return "\n".join(
         [
@@ -170,5 +177,3 @@ def _costly(node: Node) -> Callable[[str], bool]:
         return lambda port: port in made_again
     optional = {port.name for port in node.output_ports if port.optional}
     return lambda port: port in optional
-
-

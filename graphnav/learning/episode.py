@@ -118,7 +118,7 @@ class Episode:
         GraphnavError
             The summary of a stage fails, or holds what it does not declare.
         """
-        found = {}
+        found: dict[str, float] = {}
         for name, stage in self._stages.items():
             if metrics_of(type(stage)) and (names is None or name in names):
                 found |= {f"{name}.{metric}": value for metric, value in _measured(name, stage).items()}
@@ -166,9 +166,7 @@ class _Record:
         run = replace(graph.run, record=graph.run.record or "replayable")
         self._graph = replace(graph, run=run)
         self._begin_s = time.monotonic()
-        self._run = RecordedRun(
-            self._graph, folder, new_run_id(), lambda _: None, lambda: self._writer.close(), self._measured
-        )
+        self._run = RecordedRun(self._graph, folder, new_run_id(), lambda _: None, self._close_log, self._measured)
         self._run.save_graph()
         try:
             self._writer = self._run.open_log(folder / RunFolder.LOG)
@@ -201,8 +199,11 @@ class _Record:
             self._tick.release()
         run.read_scores()
         run.failures.close(engine.close)
-        run.failures.close(self._writer.close)
+        run.failures.close(self._close_log)
         run.summarise()
+
+    def _close_log(self) -> None:
+        self._writer.close()
 
     def _measured(self) -> Measured:
         wall_s = time.monotonic() - self._begin_s

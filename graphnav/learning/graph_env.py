@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, get_type_hints
+from typing import Any, get_type_hints
 
 import gymnasium
 import numpy as np
@@ -19,7 +19,7 @@ from graphnav.core.api import KeptFolder, one_blas_thread
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Channel
 from graphnav.core.pictures import Pictures
-from graphnav.core.runner import Lockstep
+from graphnav.core.runner import Lockstep, Outcome
 from graphnav.learning.agent import FILE, agent_source, graph_with_agent
 from graphnav.learning.episode import Episode, Newest, channel_of
 from graphnav.learning.interface import Interface
@@ -52,7 +52,7 @@ class GraphEnv(gymnasium.Env[Any, Any]):
     An error of a stage within `step` is a `GraphnavError`, and ends the episode.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"]}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012 - of an object, too
 
     def __init__(self, graph: Graph, options: EnvOptions) -> None:
         self.render_mode = options.render_mode
@@ -76,8 +76,7 @@ class GraphEnv(gymnasium.Env[Any, Any]):
         bounds = _bounds(graph, acts, seen)
         self._actions = Actions(acts, seen.get(acts.ref), bounds, normalized=options.normalized)
         self.observation_space, self.action_space = self._observations.space, self._actions.space
-        metadata = {**GraphEnv.metadata, "render_fps": max(1, round(_rate_hz(seen)))}
-        self.metadata = metadata  # type: ignore[misc] # Gymnasium's own environments do so
+        self.metadata = {**GraphEnv.metadata, "render_fps": max(1, round(_rate_hz(seen)))}
         self._episode: Episode | None = None
         self._n_episodes = 0
         self._observation: Any = None
@@ -145,17 +144,15 @@ class GraphEnv(gymnasium.Env[Any, Any]):
             episode.outcome = episode.outcome or "failed"
             self._close_record()
             raise
-        moved = Transition(
-            before, action, self._observation, self._metrics, progress_m, episode.outcome, episode.utime
-        )
+        moved = Transition(before, action, self._observation, self._metrics, progress_m, episode.outcome, episode.utime)
         reward = self._reward.of(moved, last)
-        truncated = episode.outcome == "timeout"
-        terminated = bool(episode.outcome) and not truncated
-        if episode.outcome:
+        truncated = moved.outcome == Outcome.TIMEOUT
+        terminated = moved.outcome not in ("", Outcome.TIMEOUT)
+        if moved.outcome:
             self._close_record()
         return self._observation, reward, terminated, truncated, self._info(progress_m)
 
-    def render(self) -> Bytes | None:  # type: ignore[override] # Gymnasium allows more
+    def render(self) -> Bytes | None:
         """Return the world from above with the robot and its path, uint8 (rows, cols, 3); None without a render mode.
 
         Raises
@@ -170,7 +167,10 @@ class GraphEnv(gymnasium.Env[Any, Any]):
             raise UserError.of("render: there is no map of an episode", "call reset first")
         messages = {Map: world, State: self._newest(self._state)}
         context = PictureContext(
-            rows=_VIEW_PX, cols=_VIEW_PX, find=messages.get, path_m=lambda: _points(self._path)  # type: ignore[arg-type]
+            rows=_VIEW_PX,
+            cols=_VIEW_PX,
+            find=messages.get,
+            path_m=lambda: _points(self._path),
         )
         return self._pictures.draw(messages[State] or world, context)
 
@@ -215,7 +215,13 @@ class GraphEnv(gymnasium.Env[Any, Any]):
         assert self._episode is not None
         seed = self._episode.schedule.graph.run.seed
         outcome, utime = self._episode.outcome, self._episode.utime
-        return {"utime": utime, "seed": seed, "outcome": outcome, "progress_m": progress_m, "metrics": dict(self._metrics)}
+        return {
+            "utime": utime,
+            "seed": seed,
+            "outcome": outcome,
+            "progress_m": progress_m,
+            "metrics": dict(self._metrics),
+        }
 
     def _agent_file(self) -> Path:
         """Return the file with the agent's stage, which is copied into the folder of every episode."""
@@ -303,4 +309,3 @@ def _bounds(graph: Graph, acts: Channel, seen: Mapping[str, Any]) -> dict[str, t
         if node.stage_class.is_guard:
             guards |= {name: node.params[name] for name in ("max_speed_mps", "max_turn_radps") if node.params.get(name)}
     return twist_bounds(None if limits is None else seen.get(limits.ref), guards)
-

@@ -155,7 +155,9 @@ def _acts(graph: Graph, word: str) -> Channel:
         for i in other.inputs:
             is_other = i.channel is not None and i.channel.stage == node.name and i.channel != channel
             if is_other and i.port.is_plain and i.channel is not None:
-                what = f"act: '{other.name}' needs '{i.channel.ref}', which an agent that writes '{channel.ref}' does not"
+                what = (
+                    f"act: '{other.name}' needs '{i.channel.ref}', which an agent that writes '{channel.ref}' does not"
+                )
                 raise UserError.of(what, f"name another stage: {', '.join(_deciding(graph))}")
     return channel
 

@@ -63,9 +63,9 @@ def make_env(
     `graphnav.Latest`. The last tick of an episode, that of the outcome or the time limit, has an observation and no
     action.
 
-    ``info`` has ``utime`` (simulated microseconds), ``seed``, ``outcome`` ("" while the episode goes on), ``progress_m``
-    and ``metrics``: those that the reward counts at every step, all at the end, as measured so far. Needs the extra
-    ``gym``.
+    ``info`` has ``utime`` (simulated microseconds), ``seed``, ``outcome`` ("" while the episode goes on),
+    ``progress_m`` and ``metrics``: those that the reward counts at every step, all at the end, as measured so far.
+    Needs the extra ``gym``.
 
     Raises
     ------
@@ -74,7 +74,9 @@ def make_env(
     """
     _require_gymnasium("graphnav.make_env")
     checked, catalog = _loaded(graph, set, plugins, time_limit_s)
-    return EnvRequest.of(observe, act, reward, record, render_mode, truth=truth, skip=skip, normalized=normalized).env(checked, catalog)
+    return EnvRequest.of(observe, act, reward, record, render_mode, truth=truth, skip=skip, normalized=normalized).env(
+        checked, catalog
+    )
 
 
 @documented(Shared.GRAPH, COUNT, PROCESSES, Shared.SET, Shared.PLUGINS, *OF_ENV)
@@ -98,8 +100,8 @@ def make_vec_env(
     """Return a vector environment of ``n`` worlds of a graph, which step in processes of their own.
 
     Each world is an environment as `make_env` makes it; observations and actions are in memory that the processes
-    share. An episode that has ended begins anew with the next step (``AutoresetMode.NEXT_STEP``). ``reset`` takes a seed
-    for the first world, which the others count on from, or a list of them. A script needs no
+    share. An episode that has ended begins anew with the next step (``AutoresetMode.NEXT_STEP``). ``reset`` takes a
+    seed for the first world, which the others count on from, or a list of them. A script needs no
     ``if __name__ == "__main__":``. A function as reward is sent to the processes by cloudpickle. ``record``: the worlds
     have a folder each in it.
 

@@ -6,8 +6,8 @@ from graphnav.core.parameters import Parameter
 
 OBSERVE = Parameter(
     "observe",
-    doc="What the agent observes: a channel (``\"robot.image\"``), a stage with one channel, a field "
-    "(``\"robot.goal.bearing_rad\"``), or a list of these; None: the image. One array is a `Box`, several are a `Dict` "
+    doc='What the agent observes: a channel (``"robot.image"``), a stage with one channel, a field '
+    '(``"robot.goal.bearing_rad"``), or a list of these; None: the image. One array is a `Box`, several are a `Dict` '
     "by port, or by port and field.",
     example='"robot.image"',
 )
@@ -19,10 +19,10 @@ ACT = Parameter(
 )
 REWARD = Parameter(
     "reward",
-    doc="What a step is worth: weights of the changes of metrics (``\"drive.path_length_m\"``), of ``\"progress_m\"`` "
-    "(by how much the way to the goal has become shorter; without a goal, how far it drove), of every ``\"step\"`` and "
-    "of outcomes (``\"goal\"``, ``\"contact\"``, ``\"timeout\"``, ``\"end\"``); or a function of a `Transition`. None: "
-    "``{\"progress_m\": 1, \"goal\": 10, \"contact\": -10}``.",
+    doc='What a step is worth: weights of the changes of metrics (``"drive.path_length_m"``), of ``"progress_m"`` '
+    '(by how much the way to the goal has become shorter; without a goal, how far it drove), of every ``"step"`` and '
+    'of outcomes (``"goal"``, ``"contact"``, ``"timeout"``, ``"end"``); or a function of a `Transition`. None: '
+    '``{"progress_m": 1, "goal": 10, "contact": -10}``.',
     example='{"progress_m": 1.0, "goal": 10.0}',
 )
 TIME_LIMIT_S = Parameter(
@@ -39,7 +39,7 @@ RECORD = Parameter(
 )
 RENDER_MODE = Parameter(
     "render_mode",
-    doc="``\"rgb_array\"``: `render` returns the world from above. None: it returns None.",
+    doc='``"rgb_array"``: `render` returns the world from above. None: it returns None.',
     example='"rgb_array"',
 )
 TRUTH = Parameter(

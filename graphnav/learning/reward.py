@@ -42,12 +42,12 @@ class Reward:
     """
 
     def __init__(self, graph: Graph, given: Mapping[str, float] | Function | None) -> None:
-        self._function = given if callable(given) else None
-        table = DEFAULT if given is None else given
-        if not callable(given) and not isinstance(table, Mapping):
+        table: object = DEFAULT if given is None else given
+        if not isinstance(table, Mapping) and not callable(table):
             said = type(given).__name__
             raise UserError.of(f"reward must be a mapping or a function, not {said}", f"write reward={dict(DEFAULT)}")
-        self._weights: dict[str, float] = {} if callable(given) else _weights(graph, dict(table))
+        self._function: Function | None = None if isinstance(table, Mapping) else table
+        self._weights = _weights(graph, table) if isinstance(table, Mapping) else {}
         self.metrics = tuple(name for name in self._weights if "." in name)
         """The metrics that count, as ``stage.metric``."""
         self.needs_all = self._function is not None

@@ -129,9 +129,13 @@ class Actions:
             parts: dict[str, Array] = {name: array[place : place + 1] for place, name in enumerate(self._arrays)}
         else:
             if not isinstance(action, Mapping) or set(action) != set(self._arrays):
-                said = f"the keys {', '.join(map(str, action))}" if isinstance(action, Mapping) else type(action).__name__
+                said = (
+                    f"the keys {', '.join(map(str, action))}" if isinstance(action, Mapping) else type(action).__name__
+                )
                 raise UserError.of(f"the action has {said}", f"give arrays named {', '.join(self._arrays)}")
-            parts = {name: _checked(f"'{name}' of the action", action[name], a.shape) for name, a in self._arrays.items()}
+            parts = {
+                name: _checked(f"'{name}' of the action", action[name], a.shape) for name, a in self._arrays.items()
+            }
         for name, (low, half) in self._scales.items():
             parts[name] = low + (parts[name] + 1.0) * half
         try:

@@ -10,7 +10,7 @@ import weakref
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from multiprocessing import Pipe
-from typing import Any, ClassVar
+from typing import Any
 
 import cloudpickle
 import numpy as np
@@ -34,14 +34,14 @@ _MAX_SEED = 2**32
 class GraphVectorEnv(VectorEnv[Any, Any, Any]):
     """Worlds that step in processes of their own; `graphnav.make_vec_env` makes it."""
 
-    metadata: ClassVar[dict[str, Any]] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012 - of an object, too
 
     def __init__(self, graph: Graph, catalog: Catalog, request: EnvRequest, n: int, processes: int) -> None:
         self.num_envs, self.render_mode = n, request.render_mode
         self._workers: list[_Worker] = []
         self._end = weakref.finalize(self, _end_all, self._workers)
         model = request.without_record().env(graph, catalog)
-        self.metadata = {**model.metadata, **GraphVectorEnv.metadata}  # type: ignore[misc] # as Gymnasium's own do
+        self.metadata = {**model.metadata, **GraphVectorEnv.metadata}
         self.single_observation_space, self.single_action_space = model.observation_space, model.action_space
         model.close()
         self.observation_space = batch_space(self.single_observation_space, n)

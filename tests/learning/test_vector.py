@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv
@@ -22,10 +21,15 @@ from graphnav import GraphnavError, UserError
 from graphnav.learning.reward import Transition
 
 OPTIONS: dict[str, Any] = {"act": "guard", "time_limit_s": 0.5}
-N = 3
+N, SEEDS = 2, [3, 4]
+REFUSED = [
+    (np.full((N, 2), np.nan), "the actions hold a NaN or an infinity"),
+    (np.zeros(2), "the actions have the shape"),
+    (["a"] * N, "the actions are of"),
+]
 SCRIPT = """
 import graphnav
-vector = graphnav.make_vec_env("corridor_ccw", 1, act="guard", processes=1)
+vector = graphnav.make_vec_env("approach", 1, act="guard", processes=1)
 print(vector._workers[0]._process.pid, flush=True)
 """
 
@@ -46,70 +50,60 @@ def is_alive(pid: int) -> bool:
 def episodes(vector: Any) -> Iterator[tuple[Any, ...]]:
     """Yield what a vector environment gives over two episodes."""
     rng = np.random.default_rng(0)
-    observation, info = vector.reset(seed=[3, 4, 5])
+    observation, info = vector.reset(seed=SEEDS)
     yield observation, info["seed"]
     for _ in range(8):
         *found, info = vector.step(rng.uniform(-0.3, 0.3, (N, 2)).astype(np.float32))
         yield (*found, info["utime"], info["seed"])
 
 
-@pytest.fixture(scope="module")
-def vector() -> Iterator[Any]:
-    """Return worlds in two processes."""
-    made = graphnav.make_vec_env("corridor_ccw", N, **OPTIONS)
-    yield made
-    made.close()
+@pytest.mark.long
+def test_worlds_in_processes_are_those_of_gymnasiums_vectors() -> None:
+    factory = functools.partial(graphnav.make_env, "approach", **OPTIONS)
+    ours = graphnav.make_vec_env("approach", N, **OPTIONS)
+    vectors = [ours, SyncVectorEnv([factory] * N), AsyncVectorEnv([factory] * N)]
+    assert ours.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
+    assert ours.observation_space == vectors[1].observation_space
+    assert ours.action_space == vectors[1].action_space
+    given = [list(episodes(one)) for one in vectors]
+    for one in vectors:
+        one.close()
+    for mine, *theirs in zip(*given, strict=True):
+        for other in theirs:
+            for array, its in zip(mine, other, strict=True):
+                if mine[-1].tolist() == SEEDS:  # those of later episodes are drawn by each world
+                    assert (array == its).all()
 
 
 @pytest.mark.long
-def test_worlds_in_processes_are_those_of_gymnasiums_vectors(vector: Any) -> None:
-    assert vector.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
-    factory = functools.partial(graphnav.make_env, "corridor_ccw", **OPTIONS)
-    rivals = [SyncVectorEnv([factory] * N), AsyncVectorEnv([factory] * N)]
-    given = [list(episodes(one)) for one in (vector, *rivals)]
-    for rival in rivals:
-        rival.close()
-    assert vector.single_observation_space == rivals[0].single_observation_space
-    assert vector.action_space == rivals[0].action_space
-    for ours, *theirs in zip(*given, strict=True):
-        for other in theirs:
-            for mine, its in zip(ours, other, strict=True):
-                if len(ours) == 2 or ours[-1].tolist() == [3, 4, 5]:  # later seeds are drawn, unseeded, by each world
-                    assert (mine == its).all()
-
-
-def test_ended_episodes_begin_anew_with_the_next_step(vector: Any) -> None:
-    vector.reset(seed=3)
-    for _ in range(5):
-        *_, truncated, info = vector.step(vector.action_space.sample())
+def test_worlds_begin_anew_and_refuse_what_does_not_fit() -> None:
+    options = {**OPTIONS, "observe": ["robot.image", "robot.motion.forward_m"]}
+    made: Any = graphnav.make_vec_env("approach", N, processes=1, **options)
+    assert made.reset(seed=7)[1]["seed"].tolist() == [7, 8]
+    observation, info = made.reset(seed=SEEDS)
+    assert info["seed"].tolist() == SEEDS
+    assert {name: one.shape for name, one in observation.items()} == {
+        "image": (N, 120, 160),
+        "motion_forward_m": (N, 1),
+    }
+    with pytest.raises(UserError, match=r"reset: the seeds are \[1\]"):
+        made.reset(seed=[1])
+    for actions, told in REFUSED:
+        with pytest.raises(UserError, match=told):
+            made.step(actions)
+    for _ in range(4):
+        *_, truncated, info = made.step(made.action_space.sample())
     assert truncated.all()
     assert info["utime"].tolist() == [500_000] * N
     assert info["outcome"].tolist() == ["timeout"] * N
-    _, reward, _, truncated, info = vector.step(vector.action_space.sample())
+    _, reward, _, truncated, info = made.step(made.action_space.sample())
     assert reward.tolist() == [0.0] * N
     assert not truncated.any()
-    assert info["utime"].tolist() == [0] * N
-
-
-def test_seeds_count_on_from_the_first(vector: Any) -> None:
-    assert vector.reset(seed=7)[1]["seed"].tolist() == [7, 8, 9]
-    with pytest.raises(UserError, match=r"reset: the seeds are \[1, 2\]"):
-        vector.reset(seed=[1, 2])
-
-
-@pytest.mark.parametrize(
-    ("actions", "told"),
-    [
-        (np.full((N, 2), np.nan), "the actions hold a NaN or an infinity"),
-        (np.zeros(2), "the actions have the shape"),
-        (["a"] * N, "the actions are of"),
-    ],
-)
-def test_actions_of_another_form_are_refused(vector: Any, actions: Any, told: str) -> None:
-    vector.reset(seed=3)
-    with pytest.raises(UserError, match=told):
-        vector.step(actions)
-    vector.step(np.zeros((N, 2)))
+    assert info["utime"].tolist() == [100_000] * N
+    (pid,) = (one.pid for one in workers(made))
+    del made
+    gc.collect()
+    assert not is_alive(pid)
 
 
 def reward_of(one: Transition) -> float:
@@ -121,38 +115,33 @@ def reward_of(one: Transition) -> float:
 
 @pytest.mark.long
 def test_a_world_that_fails_ends_all() -> None:
-    made: Any = graphnav.make_vec_env("corridor_ccw", 2, **OPTIONS, reward=lambda one: reward_of(one))
+    made: Any = graphnav.make_vec_env("approach", 1, **OPTIONS, reward=reward_of)
     made.reset(seed=3)
     pids = [one.pid for one in workers(made)]
-    assert made.step(np.zeros((2, 2)))[1].tolist() == [0.1, 0.1]
-    made.step(np.zeros((2, 2)))
-    with pytest.raises(GraphnavError, match="^world 0: the reward function raised ValueError: too late$"):
-        made.step(np.zeros((2, 2)))
+    assert made.step(np.zeros((1, 2)))[1].tolist() == pytest.approx([0.1])
+    made.step(np.zeros((1, 2)))
+    with pytest.raises(GraphnavError, match=r"^world 0: the reward function raised ValueError: too late$"):
+        made.step(np.zeros((1, 2)))
     assert not any(map(is_alive, pids))
     with pytest.raises(UserError, match="the vector environment is closed"):
-        made.step(np.zeros((2, 2)))
+        made.step(np.zeros((1, 2)))
 
 
 @pytest.mark.long
 def test_a_killed_process_is_told_and_nothing_stays() -> None:
-    made: Any = graphnav.make_vec_env("corridor_ccw", 2, **OPTIONS)
+    made: Any = graphnav.make_vec_env("approach", 1, **OPTIONS)
     pids = [one.pid for one in workers(made)]
     made.reset(seed=3)
-    os.kill(pids[1], signal.SIGKILL)
-    with pytest.raises(GraphnavError, match="^process 1 of world 1 was killed by signal 9$"):
-        for _ in range(2):
-            made.step(np.zeros((2, 2)))
+    os.kill(pids[0], signal.SIGKILL)
+    workers(made)[0].wait()
+    with pytest.raises(GraphnavError, match=r"^process 0 of world 0 was killed by signal 9$"):
+        made.step(np.zeros((1, 2)))
     assert not any(map(is_alive, pids))
     made.close()
 
 
 @pytest.mark.long
-def test_processes_end_with_the_environment_and_with_the_program() -> None:
-    made: Any = graphnav.make_vec_env("corridor_ccw", 1, **OPTIONS)
-    (pid,) = (one.pid for one in workers(made))
-    del made
-    gc.collect()
-    assert not is_alive(pid)
+def test_processes_end_with_the_program() -> None:
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
     assert not is_alive(int(done.stdout))
     assert not done.stderr
@@ -161,17 +150,4 @@ def test_processes_end_with_the_environment_and_with_the_program() -> None:
 @pytest.mark.parametrize("n", [0, -1, 1.5, True, "2"])
 def test_the_number_of_worlds_is_checked(n: Any) -> None:
     with pytest.raises(UserError, match=r"^n must be an integer from 1 to 4096"):
-        graphnav.make_vec_env("corridor_ccw", n)
-
-
-def test_spaces_of_several_arrays_are_shared_too() -> None:
-    made = graphnav.make_vec_env("pillars", 2, processes=1, observe=["robot.image", "robot.goal"], **OPTIONS)
-    observation, _ = made.reset(seed=3)
-    made.step(made.action_space.sample())
-    made.close()
-    assert {name: one.shape for name, one in observation.items()} == {
-        "image": (2, 120, 160),
-        "goal_bearing_rad": (2, 1),
-        "goal_distance_m": (2, 1),
-    }
-    assert isinstance(made.observation_space, gymnasium.spaces.Dict)
+        graphnav.make_vec_env("approach", n)
