@@ -8,11 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from graphnav import DeclarationError, Graph, GraphnavError, Message, Stage, UserError
+from graphnav import About, DeclarationError, Graph, GraphnavError, Message, Stage, UserError
 from graphnav.core.codec import decode, encode
 from graphnav.core.errors import StageError, one_line
 from graphnav.core.graph import Channel
-from graphnav.core.messages import About
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Measured, Outcome, RecordedRun, Sink, about_of, new_run_id
 from graphnav.core.stage import measured_metrics, metrics_of

@@ -1,4 +1,4 @@
-"""What an agent observes and what it does, by the names of channels: resolved, or refused with the reason."""
+"""The observations and the actions of an agent, by the names of channels: resolved, or refused with the reason."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Observed:
 
 @dataclass(frozen=True)
 class Interface:
-    """What an agent observes, and the channel that it writes in place of a stage."""
+    """The channels that an agent observes, and the one that it writes in place of a stage."""
 
     observed: tuple[Observed, ...]
     acts: Channel
@@ -62,7 +62,7 @@ def interface_of(graph: Graph, observe: Sequence[str] | None, act: str | None, *
     Raises
     ------
     UserError
-        The graph is no closed loop in simulated time, or has no such channel, or an agent may not have it.
+        The graph is not a closed loop in simulated time, or has no such channel, or an agent may not have it.
     """
     if graph.is_live:
         raise UserError.of(f"{graph.path.stem} has live inputs, but a learner needs a simulated world", _CLOSED)
@@ -202,7 +202,7 @@ def _default_image(graph: Graph) -> Channel:
 def _default_act(graph: Graph) -> Channel:
     """Return the command of the robot, before the guard if there is one: what it lets through is the graph's."""
     if not graph.commands:
-        raise UserError.of(f"{graph.path.stem} is no closed loop: no command reaches a world", _CLOSED)
+        raise UserError.of(f"{graph.path.stem} is not a closed loop: no command reaches a world", _CLOSED)
     channel = graph.commands[0]
     while graph.node(channel.stage).stage_class.is_guard:
         before = next(_commands_of(graph.node(channel.stage)), None)

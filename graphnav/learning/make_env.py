@@ -100,7 +100,7 @@ def make_vec_env(
     """Return a vector environment of ``n`` worlds of a graph, which step in processes of their own.
 
     Each world is an environment as `make_env` makes it; observations and actions are in memory that the processes
-    share. An episode that has ended begins anew with the next step (``AutoresetMode.NEXT_STEP``). ``reset`` takes a
+    share. An episode that has ended begins again with the next step (``AutoresetMode.NEXT_STEP``). ``reset`` takes a
     seed for the first world, which the others count on from, or a list of them. A script needs no
     ``if __name__ == "__main__":``. A function as reward is sent to the processes by cloudpickle. ``record``: the worlds
     have a folder each in it.

@@ -38,7 +38,7 @@ Function = Callable[[Transition], float]
 class Reward:
     """The reward as it was asked for: a table of weights, or a function.
 
-    Raises UserError for a term that the graph does not have, and for a weight that is no number.
+    Raises UserError for a term that the graph does not have, and for a weight that is not a number.
     """
 
     def __init__(self, graph: Graph, given: Mapping[str, float] | Function | None) -> None:

@@ -11,9 +11,18 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from graphnav import BaseLimits, FieldError, GraphnavError, Latest, Message, Twist, UserError, message_from
+from graphnav import (
+    BaseLimits,
+    FieldError,
+    GraphnavError,
+    Latest,
+    Message,
+    Twist,
+    UserError,
+    message_from,
+    numeric_fields,
+)
 from graphnav.core.graph import Channel
-from graphnav.core.numeric_fields import numeric_fields
 from graphnav.learning.interface import Interface, Observed, numeric_of
 
 Array = npt.NDArray[Any]

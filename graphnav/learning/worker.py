@@ -54,7 +54,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Job:
-    """What a worker makes: worlds ``places`` of a graph, for a request that cloudpickle has packed."""
+    """The order to a worker: worlds ``places`` of a graph, for a request that cloudpickle has packed."""
 
     graph: bytes
     path: Path

@@ -1,4 +1,4 @@
-"""What an episode publishes and leaves is what a run with the same commands does."""
+"""An episode publishes and leaves the same as a run with its commands."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ def test_worlds_in_processes_are_those_of_gymnasiums_vectors() -> None:
 
 
 @pytest.mark.long
-def test_worlds_begin_anew_and_refuse_what_does_not_fit() -> None:
+def test_worlds_begin_again_and_refuse_what_does_not_fit() -> None:
     options = {**OPTIONS, "observe": ["robot.image", "robot.motion.forward_m"]}
     made: Any = graphnav.make_vec_env("approach", N, processes=1, **options)
     assert made.reset(seed=7)[1]["seed"].tolist() == [7, 8]

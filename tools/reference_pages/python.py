@@ -22,10 +22,11 @@ _GROUPS = {
         *("run", "ablate", "load", "check", "draw", "open_log"),
         *("Run", "Study", "Log", "Graph", "Drawing", "Recording"),
     ),
+    "Learn to drive": ("make_env", "make_vec_env", "numeric_fields", "message_from"),
     "Write a stage": (
         *("Stage", "Source", "Message", "param", "Latest", "Since", "Stamped", "Stamp", "Age", "Finished", "Role"),
         *("Metric", "MEASURED", "UNDEFINED"),
-        *("hookimpl", "Continuity", "block_mean", "block_sum", "coarsen", "numeric_fields", "message_from"),
+        *("hookimpl", "Continuity", "block_mean", "block_sum", "coarsen"),
     ),
     "Write an adapter or a drawing": ("Adapter", "PictureContext", "Scene", "SceneArea", "VideoFrames"),
     "Read a file of your own": ("FileFormat", "Record", "key", "Range", "Value"),
