@@ -42,7 +42,8 @@ class Newest:
 class Episode:
     """A world from its start to its end, and the agent in it.
 
-    ``agent``: its stage. ``watched``: channels whose newest message `newest` returns. ``folder``: where it is recorded.
+    ``agent``: its stage. ``watched``: channels whose newest message `newest` returns. ``folder``: where it is recorded,
+    which exists.
 
     Raises GraphnavError if a stage cannot be made or reset, or the folder not written.
     """
@@ -157,11 +158,6 @@ class _Record:
     """The run folder of an episode."""
 
     def __init__(self, graph: Graph, folder: Path) -> None:
-        try:
-            folder.mkdir(parents=True)
-        except OSError as error:
-            what = f"record: cannot make {folder}: {error.strerror}"
-            raise UserError.of(what, "choose a folder without episodes") from error
         run = replace(graph.run, record=graph.run.record or "replayable")
         self._graph = replace(graph, run=run)
         self._begin_s = time.monotonic()

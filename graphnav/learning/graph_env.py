@@ -232,11 +232,20 @@ class GraphEnv(gymnasium.Env[Any, Any]):
         return path
 
     def _next_folder(self) -> Path | None:
+        """Make and return the folder of an episode: the first number that no other one, of any process, has."""
         if self._record is None:
             return None
-        while (folder := self._record / f"{self._n_episodes:04}").exists():
-            self._n_episodes += 1
-        return folder
+        while True:
+            folder = self._record / f"{self._n_episodes:04}"
+            try:
+                folder.mkdir(parents=True)
+            except FileExistsError:
+                self._n_episodes += 1
+            except OSError as error:
+                what = f"record: cannot make {folder}: {error.strerror}"
+                raise UserError.of(what, "choose another folder") from error
+            else:
+                return folder
 
     def _end_episode(self) -> None:
         episode, self._episode = self._episode, None

@@ -56,7 +56,7 @@ class GraphVectorEnv(VectorEnv[Any, Any, Any]):
             for number, mine in enumerate(places):
                 self._workers.append(_Worker(number, mine, memory_fd))
                 self._workers[-1].send(sys.path)
-                self._workers[-1].send(Job(text, graph.path, packed, mine, layout, memory_fd))
+                self._workers[-1].send(Job(text, graph.path, graph.plugins, packed, mine, layout, memory_fd))
             self._answers()
         except BaseException:
             self._end()

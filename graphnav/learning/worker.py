@@ -10,7 +10,8 @@ import pickle
 import signal
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -58,6 +59,7 @@ class Job:
 
     graph: bytes
     path: Path
+    plugins: tuple[Path, ...]
     request: bytes
     places: tuple[int, ...]
     layout: Layout
@@ -76,8 +78,9 @@ class Worlds:
         memory = mmap.mmap(job.memory_fd, job.layout.n_bytes)
         self._arrays = job.layout.views(memory)
         request = pickle.loads(job.request)  # noqa: S301 - the parent has packed it
-        catalog = Catalog(Trust(runs_all=True))
-        graph = graph_of(job.graph, job.path, catalog)
+        catalog = Catalog(Trust(runs_all=True)).add_files(job.plugins)
+        graph = graph_of(job.graph, job.path, catalog, replaced=[plugin.name for plugin in job.plugins])
+        graph = replace(graph, plugins=job.plugins)
         self._envs = [request.for_world(place).env(graph, catalog) for place in job.places]
         self._has_ended = [False] * len(self._envs)
 
@@ -139,12 +142,15 @@ def serve(link: Any) -> None:
                 else:
                     order, *given = link.recv()
                     result = getattr(worlds, order)(*given)
+                answer = (True, result)
             except (EOFError, ConnectionError):
                 return
             except Exception as error:  # noqa: BLE001 - the parent raises it
-                link.send((False, f"{type(error).__name__}: {error}" if not _is_ours(error) else str(error)))
+                answer = (False, str(error) if _is_ours(error) else f"{type(error).__name__}: {error}")
+            with suppress(ConnectionError):  # a parent that is gone is noticed by the next order
+                link.send(answer)
+            if not answer[0]:
                 return
-            link.send((True, result))
     finally:
         if worlds is not None:
             worlds.close()
