@@ -15,6 +15,7 @@ from graphnav.core.large_messages.child import FORWARDED, NUMBERS, PACKET_BYTES,
 from graphnav.core.large_messages.sender import LargeSender
 from graphnav.core.machine.packet_filter import filter_packets, ignore_forwarded
 from graphnav.core.machine.receive_buffer import ReceiveBuffer, dropped_packets, own_sockets, receive_buffer_bytes
+from graphnav.core.machine.system import require_linux
 from graphnav.core.notices import print_notice
 
 Handler = Callable[[str, bytes], None]
@@ -228,8 +229,10 @@ class Bus:
     def require_route(url: str) -> None:
         """Raise NoRouteError, with the command that fixes it, if no multicast route leads to the URL's group.
 
-        Raises BusError if it has no multicast group, or port 0.
+        Raises BusError if it has no multicast group, or port 0; UserError on another system than Linux, whose calls
+        count what its sockets lose and filter what they receive.
         """
+        require_linux("channels between programs work")
         parts = urlsplit(url)
         if not _is_multicast(parts.hostname or ""):
             raise BusError(

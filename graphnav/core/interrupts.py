@@ -20,7 +20,10 @@ from contextlib import contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import Any, ClassVar, Self
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_HANG_UP: signal.Signals = signal.SIGHUP if hasattr(signal, "SIGHUP") else getattr(signal, "SIGBREAK")  # noqa: B009
+"""Windows has SIGBREAK in place of SIGHUP: for Ctrl-Break, and when the console is closed."""
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, _HANG_UP)
+_HAS_TIMER = hasattr(signal, "setitimer")
 _INTERRUPTED = 130
 _STDERR = 2
 _PATIENCE_S = 0.5
@@ -53,7 +56,7 @@ def end_at_interrupt() -> None:
         return
     if signal.getsignal(signal.SIGINT) in {signal.default_int_handler, raise_ctrl_c}:
         signal.signal(signal.SIGINT, _end)
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in (signal.SIGTERM, _HANG_UP):
         if signal.getsignal(number) is raise_ctrl_c:
             signal.signal(number, signal.SIG_DFL)
 
@@ -89,8 +92,7 @@ def ctrl_c_not_lost() -> Iterator[None]:
         if not isinstance(lost.exc_value, CtrlC):
             usual(lost)
             return
-        to_main = [threading.main_thread().ident, lost.exc_value.number]
-        timer = threading.Timer(_AGAIN_S, signal.pthread_kill, to_main)  # it also interrupts what is waited for
+        timer = threading.Timer(_AGAIN_S, _send_to_main, [lost.exc_value.number])
         timer.daemon = True
         try:
             timer.start()
@@ -125,7 +127,13 @@ def ctrl_c_prevails() -> Iterator[None]:
 
 @contextmanager
 def ctrl_c_later() -> Iterator[None]:
-    """Let SIGINT, SIGTERM and SIGHUP wait for the end of the block, so that it makes its objects completely."""
+    """Let SIGINT, SIGTERM and SIGHUP wait for the end of the block, so that it makes its objects completely.
+
+    Windows has no mask of signals: there they do not wait.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
     try:
         yield
@@ -180,7 +188,7 @@ class Interrupt:
 
     A tick that does not end within half a second is interrupted by `CtrlC`, as it is by a second Ctrl-C.
     SIGHUP, which a closed terminal and then its shell may send, counts once, and not at all under ``nohup``. Outside
-    the main thread, where Python delivers no signals, it does nothing. SIGALRM is its timer.
+    the main thread, where Python delivers no signals, it does nothing. SIGALRM is its timer, on Windows a thread.
     """
 
     def __init__(self) -> None:
@@ -190,6 +198,7 @@ class Interrupt:
         """Held until then. Not an event: a signal that comes while `wait` holds the lock of one would never return."""
         self._released.acquire()
         self._old: dict[int, Any] = {}
+        self._timer: threading.Timer | None = None
 
     def wait(self, seconds: float) -> None:
         """Sleep until the time has passed or the user asks to stop."""
@@ -198,13 +207,16 @@ class Interrupt:
 
     def settle(self) -> None:
         """Disarm the timeout: the run itself has ended. Another Ctrl-C still interrupts what follows."""
-        if self._old:
+        if self._old and _HAS_TIMER:
             signal.setitimer(signal.ITIMER_REAL, 0)
+        elif self._timer is not None:
+            self._timer.cancel()
 
     def __enter__(self) -> Self:
         if _is_main_thread():
-            is_kept = signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
-            numbers = (signal.SIGALRM, signal.SIGINT, signal.SIGTERM, *(() if is_kept else (signal.SIGHUP,)))
+            is_kept = signal.getsignal(_HANG_UP) == signal.SIG_IGN
+            alarm = (signal.SIGALRM,) if _HAS_TIMER else ()
+            numbers = (*alarm, signal.SIGINT, signal.SIGTERM, *(() if is_kept else (_HANG_UP,)))
             self._old = {number: signal.signal(number, self._ask) for number in numbers}
         return self
 
@@ -219,9 +231,25 @@ class Interrupt:
         if not self.asked:
             self.asked = True
             self._released.release()
-            signal.setitimer(signal.ITIMER_REAL, _PATIENCE_S)
-        elif number != signal.SIGHUP:
+            self._set_timer()
+        elif number != _HANG_UP:
             raise CtrlC
+
+    def _set_timer(self) -> None:
+        if _HAS_TIMER:
+            signal.setitimer(signal.ITIMER_REAL, _PATIENCE_S)
+            return
+        self._timer = threading.Timer(_PATIENCE_S, _send_to_main, [signal.SIGINT])
+        self._timer.daemon = True
+        self._timer.start()
+
+
+def _send_to_main(number: int) -> None:
+    """Send a signal to the main thread; where threads can be sent one it also interrupts what is waited for."""
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+    else:
+        signal.raise_signal(number)
 
 
 def _is_main_thread() -> bool:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import re
 import select
-import termios
+import sys
 from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
+
+if sys.platform != "win32":
+    import termios
 
 _ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
 _SEQUENCE = re.compile(r"\x1b(?:O(?P<application>.)|\[(?P<arguments>[0-?]*[ -/]*)(?P<normal>[@-~]))", re.DOTALL)
@@ -51,7 +54,8 @@ class KeyDecoder:
 class Terminal:
     """A context in which keys arrive one by one, without echo; Ctrl-Z, Ctrl-S and the key of SIGQUIT do nothing.
 
-    Ctrl-C still raises KeyboardInterrupt. The terminal is restored however a command ends, except by SIGKILL.
+    Ctrl-C still raises KeyboardInterrupt. The terminal is restored however a command ends, except by SIGKILL. Not on
+    Windows, whose console has no such modes.
     """
 
     def __init__(self, fd: int) -> None:

@@ -26,6 +26,11 @@ def rooms() -> Iterator[ModuleType]:
             yield importlib.import_module(f"graphnav.{name}")
 
 
+def linux_commands() -> frozenset[str]:
+    """Return the commands of the rooms that work on Linux only."""
+    return frozenset(name for room in rooms() for name in getattr(room, "LINUX_COMMANDS", ()))
+
+
 def in_room(module: str) -> ModuleType:
     """Return a module of a room, such as ``"live.run"``.
 

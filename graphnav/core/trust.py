@@ -6,7 +6,6 @@ by their content: the digest of all that stands beside their plugins. Both are k
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import json
 import os
@@ -18,6 +17,7 @@ from pathlib import Path
 
 from graphnav.core.errors import GraphnavError, shown_path
 from graphnav.core.machine.files import MAX_JSON_BYTES, is_own, read_regular, write_atomically
+from graphnav.core.machine.system import lock_file, open_file
 from graphnav.core.machine.user_folders import no_user_folder, user_folder
 from graphnav.core.notices import print_notice
 from graphnav.core.run_folder import RunFolder, is_graph_of_run
@@ -203,9 +203,9 @@ def _change(change: Callable[[_Known], _Known]) -> str:
 @contextmanager
 def _locked(folder: Path) -> Iterator[None]:
     """Keep other processes of this user from changing the state meanwhile; the kernel ends the lock with the file."""
-    lock = os.open(folder / f".{_FILE}.lock", os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    lock = open_file(folder / f".{_FILE}.lock", os.O_WRONLY | os.O_CREAT, 0o600)
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        lock_file(lock, waits=True)
         yield
     finally:
         os.close(lock)

@@ -10,3 +10,5 @@ COMMANDS = {
     "completion": "print the script that makes bash, zsh or fish complete commands and names with TAB",
 }
 """Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""
+LINUX_COMMANDS = ("lcm-spy", "doctor", "completion")
+"""Those that work on Linux only."""

@@ -6,3 +6,5 @@ COMMANDS = {
     "teleop": "drive by keyboard: a dead man's twist, and a latching stop",
 }
 """Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""
+LINUX_COMMANDS = ("pub", "teleop")
+"""Those that work on Linux only."""

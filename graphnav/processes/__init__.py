@@ -12,3 +12,5 @@ COMMANDS = {
     "deploy": "write units with which systemd or Docker Compose keep a live graph running",
 }
 """Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""
+LINUX_COMMANDS = tuple(COMMANDS)
+"""Those that work on Linux only."""

@@ -10,6 +10,7 @@ from typing import Any
 
 from graphnav.core.errors import GraphnavError, UserError
 from graphnav.core.graph import Graph
+from graphnav.core.machine.system import require_linux
 from graphnav.core.rooms import in_room
 from graphnav.core.runner.recording.changes import Changes
 from graphnav.core.runner.recording.full_log import FullLog
@@ -30,7 +31,7 @@ def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, 
     Raises
     ------
     UserError
-        An option has no effect on such a run, or the pace is out of bounds.
+        An option has no effect on such a run, the pace is out of bounds, or this system makes no such runs.
     """
     if pace is not None and not 1 / MAX_PACE <= pace <= MAX_PACE:
         wanted = f"from {1 / MAX_PACE:g} to {MAX_PACE:g}" if 0 < pace < math.inf else "above 0"
@@ -42,7 +43,16 @@ def runs_live(graph: Graph, *, live: bool, pace: float | None, url: str | None, 
     if not is_live and url is not None:
         what = f"{option}url is for live runs, but this graph runs in lockstep"
         raise UserError.of(what, f"add {option}live{'' if option else '=True'}, or remove {option}url")
+    if is_live:
+        require_linux("live runs work")
+    require_processes(graph)
     return is_live
+
+
+def require_processes(graph: Graph, *, is_wanted: bool = False) -> None:
+    """Raise UserError if a graph, or its user, wants several processes on a system other than Linux."""
+    if graph.deploy or is_wanted:
+        require_linux("runs in several processes work")
 
 
 def _run_live(graph: Graph, *given: Any, **options: Any) -> Summary:

@@ -18,8 +18,9 @@ from graphnav.core.cli.status import Exit
 from graphnav.core.interrupts import CtrlC, ctrl_c_not_lost, end_at_interrupt, raise_at_interrupt
 from graphnav.core.machine.escaped_streams import escaped_output
 from graphnav.core.machine.pins import unpin
+from graphnav.core.machine.system import require_linux
 from graphnav.core.machine.threads import ONE_THREAD
-from graphnav.core.rooms import in_room, rooms
+from graphnav.core.rooms import in_room, linux_commands, rooms
 
 if TYPE_CHECKING:
     from graphnav.core.errors import UserError
@@ -240,6 +241,8 @@ def _parsed(words: list[str], chosen: str | None) -> CommandArguments:
     from graphnav.core.errors import did_you_mean, shown_name
 
     known = commands()
+    if chosen in linux_commands():
+        require_linux(f"'graphnav {chosen}' works")
     parser = build_parser(chosen if chosen in known else None)
     if chosen is not None and chosen not in known:
         hint = did_you_mean(chosen, known) or "see graphnav --help"

@@ -15,6 +15,7 @@ from graphnav.core.cli.command_arguments import CommandArguments
 from graphnav.core.cli.options import FailureReport, Options
 from graphnav.core.cli.status import Exit
 from graphnav.core.errors import DrawingError, shown_name
+from graphnav.core.machine.system import require_linux
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag, seconds
 from graphnav.core.rooms import in_room
@@ -78,7 +79,12 @@ if TYPE_CHECKING:
 )
 def main(args: CommandArguments) -> int:
     """Run the command."""
+    from graphnav.core.api.execute import require_processes
+
+    if args.detach:
+        require_linux("--detach works")
     catalog, graph = args.load_graph(runs=True)
+    require_processes(graph, is_wanted=args.processes or args.host is not None)
     if args.host is not None:
         serve_host = in_room("processes.host_share").serve_host
         serve_host(graph, args.host, args.hosts, args.key, print_notice, partial(print, flush=True))

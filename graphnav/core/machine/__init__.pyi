@@ -10,6 +10,7 @@ from .packet_filter import keep_channels
 from .peer import peer_of
 from .pins import OPT_OUT, lacking, pin
 from .receive_buffer import ReceiveBuffer
+from .system import is_linux, lock_file, open_file, require_linux, system_name
 from .terminal_graphics import TerminalGraphics
 from .threads import ONE_THREAD, end_despite_threads
 from .user_folders import no_user_folder, user_folder
@@ -30,20 +31,25 @@ __all__ = [
     "import_extra",
     "import_pandas",
     "install_command",
+    "is_linux",
     "is_own",
     "keep_channels",
     "lacking",
+    "lock_file",
     "no_user_folder",
     "offset_text",
+    "open_file",
     "open_regular",
     "path_aside",
     "peer_of",
     "pin",
     "read_json",
+    "require_linux",
     "requirements_of",
     "set_text",
     "side_text",
     "span_text",
+    "system_name",
     "used_instruction_set",
     "user_folder",
     "write_atomically",

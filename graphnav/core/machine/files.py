@@ -18,6 +18,7 @@ from typing import Any
 from uuid import uuid4
 
 from graphnav.core.errors import GraphnavError
+from graphnav.core.machine.system import open_file
 
 MAX_JSON_BYTES = 256 * 1024**2
 """Of plans and summaries: a plan of ten thousand runs has a few megabytes."""
@@ -38,7 +39,7 @@ def open_regular(path: Path) -> int:
         It cannot be opened, or is not a regular file.
     """
     _check_kind(path, os.stat(path).st_mode)  # before it is opened, since opening a device may act on it
-    found = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    found = open_file(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))  # Windows has no file that makes wait
     try:
         _check_kind(path, os.fstat(found).st_mode)
     except OSError:
@@ -65,8 +66,13 @@ def read_regular(path: Path, max_bytes: int) -> bytes:
 
 
 def is_own(path: Path) -> bool:
-    """Return whether only this user may write a file or folder; raises OSError if it cannot be looked up."""
+    """Return whether only this user may write a file or folder; raises OSError if it cannot be looked up.
+
+    Windows tells no owner in this way: there the folders of a user are taken to be the user's own, as they are made.
+    """
     found = path.stat()
+    if not hasattr(os, "geteuid"):
+        return True
     return found.st_uid == os.geteuid() and not found.st_mode & 0o022
 
 

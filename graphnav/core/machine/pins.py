@@ -61,7 +61,9 @@ def unpin() -> None:
 
 
 def lacking() -> str:
-    """Return why this CPU cannot run the pinned instruction set, empty if it can."""
+    """Return why this CPU cannot run the pinned instruction set, empty if it can; only Linux tells what it has."""
+    if sys.platform != "linux":
+        return "the instruction set is the same for all machines on Linux only"
     if (machine := os.uname().machine) != "x86_64":
         return f"this CPU is not of x86-64 but {machine or 'of an unknown kind'}"
     name, flags = _cpu()

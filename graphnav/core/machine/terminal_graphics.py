@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import select
 import struct
 import sys
-import termios
 import time
-import tty
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+
+if sys.platform != "win32":
+    import fcntl
+    import termios
+    import tty
 
 _QUERY_ATTRIBUTES = b"\x1b[c"
 _QUERY_KITTY = b"\x1b_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\x1b\\"
@@ -67,6 +69,8 @@ class TerminalGraphics:
     @staticmethod
     def cell_size_px() -> tuple[int, int] | None:
         """Return the rows and columns of pixels of a cell, None if the kernel does not know them."""
+        if sys.platform == "win32":
+            return None
         try:
             answer = fcntl.ioctl(sys.__stdout__, termios.TIOCGWINSZ, bytes(8))  # type: ignore[arg-type]
         except (OSError, TypeError, ValueError):

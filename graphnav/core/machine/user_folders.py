@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
-import pwd
+import sys
 from pathlib import Path
 from typing import Literal
+
+if sys.platform != "win32":
+    import pwd
 
 _BELOW_HOME = {"XDG_STATE_HOME": (".local", "state"), "XDG_CACHE_HOME": (".cache",)}
 
@@ -31,8 +34,13 @@ def no_user_folder(variable: str) -> str:
 def _home() -> str | None:
     """Return the home folder: ``HOME``, else that of the password database, which an empty ``HOME`` must not hide.
 
+    On Windows it is that of the user's profile.
+
     `Path.home` would return the root folder, or the working folder.
     """
+    if sys.platform == "win32":
+        profile = os.environ.get("USERPROFILE", "")
+        return profile if os.path.isabs(profile) else None
     home = os.environ.get("HOME", "")
     if not os.path.isabs(home):
         try:

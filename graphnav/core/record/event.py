@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from graphnav.core.errors import LogError
 from graphnav.core.machine.files import open_regular
+from graphnav.core.machine.system import read_at
 
 SYNC = 0xEDA1DA01
 HEADER = struct.Struct(">Iqqii")
@@ -70,7 +71,7 @@ class LogFile:
 
     def read(self, start: int, stop: int) -> bytes:
         """Return the bytes from ``start`` to before ``stop``, fewer at the end of the file."""
-        return os.pread(self._fd, stop - start, start)
+        return read_at(self._fd, stop - start, start)
 
     def close(self) -> None:
         """Close the file; idempotent."""

@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from graphnav.core.errors import LogError
+from graphnav.core.machine.system import open_file, write_some
 from graphnav.core.record.event import HEADER, SYNC
 
 _FLUSH_BYTES = 1 << 18
@@ -33,7 +34,7 @@ class LogWriter:
         self.n_events = 0
         self.last_us: int | None = None
         """The timestamp of the last event, None without one."""
-        self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
+        self._fd = open_file(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         self._waiting: list[bytes] = []
         self._waiting_bytes = 0
         self._complete_bytes = 0
@@ -108,7 +109,7 @@ class LogWriter:
         if not buffers:
             return
         total = sum(map(len, buffers))
-        written = os.writev(self._fd, buffers)
+        written = write_some(self._fd, buffers)
         if written < total:
             rest = memoryview(b"".join(buffers))[written:]
             while rest:
@@ -117,7 +118,12 @@ class LogWriter:
         self._complete_us = self.last_us
 
     def _reserve(self, n_bytes: int) -> None:
-        """Allocate this much behind the log, and give it back; raises OSError if the disk refuses it."""
+        """Allocate this much behind the log, and give it back; raises OSError if the disk refuses it.
+
+        Only Linux can allocate in this way; elsewhere the next write tells.
+        """
+        if not hasattr(os, "posix_fallocate"):
+            return
         try:
             os.posix_fallocate(self._fd, self._complete_bytes, n_bytes)
         except OSError as error:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from graphnav.core.codec import encode
 from graphnav.core.graph import Graph, Node
+from graphnav.core.machine.system import is_linux
 from graphnav.core.messages import Status
 from graphnav.core.runner.engine import Engine, Sink
 from graphnav.core.runner.remote_unit import ProcessState
@@ -19,8 +20,6 @@ from graphnav.core.runner.unit import Unit
 _PERIOD_S = 1.0
 _MIN_S = 0.1
 """Processor time, which the kernel counts in hundredths of a second, is not told of a shorter time."""
-_PAGE_MB = os.sysconf("SC_PAGE_SIZE") / 1e6
-_TICKS_HZ = os.sysconf("SC_CLK_TCK")
 _USER, _SYSTEM, _START, _RESIDENT = 11, 12, 19, 21
 """Fields of /proc/PID/stat behind the name."""
 
@@ -66,11 +65,14 @@ class _Load(NamedTuple):
 
 def _load_of(pid: int) -> _Load:
     """Return the load of a process, nothing where the kernel does not report it."""
+    if not is_linux():
+        return _Load(0.0, 0.0, 0.0)
     try:
+        page_mb, ticks_hz = os.sysconf("SC_PAGE_SIZE") / 1e6, os.sysconf("SC_CLK_TCK")
         text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
         fields = [int(word) for word in text.rpartition(") ")[2].split()[1:]]
         used, start, resident = fields[_USER - 1] + fields[_SYSTEM - 1], fields[_START - 1], fields[_RESIDENT - 1]
-        return _Load(used / _TICKS_HZ, start / _TICKS_HZ, resident * _PAGE_MB)
+        return _Load(used / ticks_hz, start / ticks_hz, resident * page_mb)
     except (OSError, ValueError, IndexError):
         return _Load(0.0, 0.0, 0.0)
 

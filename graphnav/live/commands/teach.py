@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from graphnav import UserError
 from graphnav.core.api import Shared
 from graphnav.core.cli import MAX_FACTOR, CommandArguments, Exit, FailureReport, Options
+from graphnav.core.machine import require_linux
 from graphnav.core.parameters import Parameter, command, flag
 
 if TYPE_CHECKING:
@@ -77,6 +78,8 @@ def main(args: CommandArguments) -> int:
             raise UserError.of(
                 f"{option} is for live runs, but this graph runs in lockstep", "add --live, or leave it out"
             )
+    if is_live:
+        require_linux("live runs work")
     with tempfile.TemporaryDirectory() as scratch:
         teach = _teach_live if is_live else _teach
         return teach(graph, Path(scratch), channel, args)

@@ -37,6 +37,8 @@ def open_keyboard() -> Iterator[tuple[Terminal | _NoKeyboard, bool]]:
 def _is_in_foreground() -> bool:
     if sys.stdin is None or sys.stdout is None or not (sys.stdin.isatty() and sys.stdout.isatty()):
         return False
+    if not hasattr(os, "tcgetpgrp"):  # Windows
+        return False
     try:
         return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
     except OSError:  # a terminal that does not control this process

@@ -75,7 +75,9 @@ def main(args: CommandArguments) -> int:
 
 
 def _has_screen() -> bool:
-    """Whether this is a terminal for a full screen with keys."""
+    """Whether this is a terminal for a full screen with keys; the console of Windows is not."""
+    if sys.platform == "win32":
+        return False
     streams = (sys.__stdin__, sys.__stdout__, sys.__stderr__)
     is_terminal = all(stream is not None and stream.isatty() for stream in streams)
     return is_terminal and os.environ.get("TERM", "dumb") not in _PLAIN_TERMINALS

@@ -15,6 +15,7 @@ from graphnav import GraphnavError, Recording
 from graphnav.core.bus import Bus
 from graphnav.core.errors import shown_name
 from graphnav.core.lcm_url import tap_url
+from graphnav.core.machine import require_linux
 from graphnav.core.record import find_log
 from graphnav.core.rooms import in_room
 from graphnav.watch.channel_account import Clock
@@ -74,6 +75,7 @@ class Feed:
         self.name = name or tap_url()
         self._far: _FarGroup | None = None
         if (host := host_of(self.name)) is not None:
+            require_linux("the feed of another computer works")
             self._far = in_room("processes.tunnel.far_group").FarGroup(*host, channels)
             self.name = self._far.name
         self.is_live = self._far is not None or self.name.startswith("udpm:")

@@ -22,6 +22,7 @@ from graphnav.core.graph.node import SET
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.machine.files import is_own
 from graphnav.core.machine.peer import peer_of
+from graphnav.core.machine.system import is_linux
 from graphnav.core.messages import Changed
 from graphnav.core.runner.engine import Engine, seed_of
 from graphnav.core.runner.recording.running_file import RunningRun
@@ -164,7 +165,7 @@ class _Pending:
 
 
 class Changes:
-    """A context in which a run can be changed: `ask` reaches it, where the user has a state folder.
+    """A context in which a run can be changed: `ask` reaches it, on Linux, where the user has a state folder.
 
     Threads of its own read each request and check it as the graph's file is checked, make the new stages and reset
     them; those of other processes are made and reset there. The thread that fires calls `take` between two firings:
@@ -191,7 +192,7 @@ class Changes:
         return self._listener is not None
 
     def __enter__(self) -> Self:
-        path = RunningRun.socket_path(self._run_id)
+        path = RunningRun.socket_path(self._run_id) if is_linux() else None
         with suppress(OSError):
             self._listener = None if path is None else _listening(path)
             self._path = path
@@ -415,7 +416,7 @@ def _listening(path: Path) -> socket.socket:
 
 def _in_folder(path: Path, call: Callable[[str], None]) -> None:
     """Call ``call`` with an address for ``path`` that is short, however long the path is."""
-    folder = os.open(path.parent, os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC)
+    folder = os.open(path.parent, os.O_PATH | os.O_DIRECTORY)
     try:
         call(f"/proc/self/fd/{folder}/{path.name}")
     finally:

@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Self
 
 from graphnav.core.errors import LogError, shown_path
+from graphnav.core.machine.system import open_file
 from graphnav.core.record import LogWriter, Recording
 
 _NAME = ".full.lcmlog"
@@ -31,7 +32,8 @@ def is_nearly_full(folder: Path) -> bool:
 class FullLog:
     """A log of everything that a run published, beside the log of its folder, which leaves out what can be made again.
 
-    Its file has no name from the start, so that it takes no space once this process has ended, however it ends. If the
+    Its file has no name from the start, so that it takes no space once this process has ended, however it ends; on
+    Windows, which removes no open file, it has one until it is closed. If the
     disk gets full, or refuses it, the full log is given up: then pictures show what the log of the folder holds.
     """
 
@@ -39,16 +41,17 @@ class FullLog:
         self._writer: LogWriter | None = None
         self._fd = -1
         self._folder = Path()
+        self._path: Path | None = None
         self._looked_bytes = 0
         self._is_given_up = False
 
     def open(self, folder: Path) -> None:
         """Begin the log, on the disk of a run folder."""
         self._folder = folder
-        path = folder / _NAME
+        path = self._path = folder / _NAME
         try:
             self._writer = LogWriter(path)
-            self._fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+            self._fd = open_file(path, os.O_RDONLY)
         except OSError:
             self._give_up()
         finally:
@@ -107,5 +110,8 @@ class FullLog:
                 self._writer.close()
         if self._fd >= 0:
             os.close(self._fd)
+        if self._path is not None:
+            with suppress(OSError):
+                self._path.unlink(missing_ok=True)
         self._writer, self._fd = None, -1
         self._is_given_up = True

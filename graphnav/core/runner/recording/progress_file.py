@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import struct
@@ -11,6 +10,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
+
+from graphnav.core.machine.system import is_locked, lock_file, open_file, write_at
 
 PROGRESS = "progress"
 """A file of a run folder that exists while the run does, locked by its process, and after it if the process died."""
@@ -54,7 +55,7 @@ class ProgressFile:
         if self._fd >= 0:
             record = _RECORD.pack(self._places[stage], self._methods[method], utime)
             with suppress(OSError):
-                os.pwrite(self._fd, record, len(self._head))
+                write_at(self._fd, record, len(self._head))
 
     def remove(self) -> None:
         """Remove the file: the run has ended."""
@@ -63,6 +64,8 @@ class ProgressFile:
                 self._path.unlink()
             os.close(self._fd)
             self._fd = -1
+            with suppress(OSError):  # Windows removes no open file
+                self._path.unlink(missing_ok=True)
 
     def __enter__(self) -> Self:
         return self
@@ -71,10 +74,10 @@ class ProgressFile:
         self.remove()
 
     def _open(self) -> None:
-        fd = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
+        fd = open_file(self._path, os.O_RDWR | os.O_CREAT | os.O_TRUNC)
         try:
-            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            os.pwrite(fd, self._head + bytes(_RECORD.size), 0)
+            lock_file(fd)
+            write_at(fd, self._head + bytes(_RECORD.size), 0)
         except OSError:
             os.close(fd)
             raise
@@ -83,14 +86,7 @@ class ProgressFile:
     @staticmethod
     def is_running(folder: Path) -> bool:
         """Whether a process still runs into a run folder."""
-        try:
-            with (folder / PROGRESS).open("rb") as file:
-                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
-        except OSError:
-            return False
-        return False
+        return is_locked(folder / PROGRESS)
 
     @staticmethod
     def last_call(folder: Path) -> LastCall | None:

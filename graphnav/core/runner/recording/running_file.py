@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import time
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Self
 
 from graphnav.core.machine.files import read_json
+from graphnav.core.machine.system import is_linux, is_locked, lock_file, open_file
 from graphnav.core.machine.user_folders import user_folder
 
 _FOLDER = "running"
@@ -38,13 +38,13 @@ class RunningRun:
     def is_running(self) -> bool:
         """Whether it still runs."""
         path = _path(self.run_id)
-        return path is not None and _is_locked(path)
+        return path is not None and is_locked(path)
 
     @staticmethod
     def await_begin(run_id: str, pid: int) -> None:
         """Wait until a run is noted that a child of this process makes, until the child has ended, or for 30 s."""
         end_s = time.monotonic() + _PATIENCE_S
-        while (path := _path(run_id)) and not _is_locked(path) and time.monotonic() < end_s:
+        while (path := _path(run_id)) and not is_locked(path) and time.monotonic() < end_s:
             if os.waitpid(pid, os.WNOHANG) != (0, 0):
                 return
             time.sleep(_POLL_S)
@@ -61,7 +61,7 @@ class RunningRun:
         folder = _folder()
         found = []
         for path in () if folder is None else folder.glob("*.json"):
-            if not _is_locked(path):
+            if not is_locked(path):
                 for left in (path.with_suffix(_SOCKET), path):
                     with suppress(OSError):
                         left.unlink()
@@ -73,7 +73,7 @@ class RunningRun:
 
 
 class RunningFile:
-    """A context in which a run is noted; where the user has no state folder, it is not."""
+    """A context in which a run is noted, on Linux, where 'graphnav ps' works; not without a state folder."""
 
     def __init__(self, run_id: str, graph: str, folder: Path, *, is_live: bool, takes_changes: bool = False) -> None:
         self._run = RunningRun(run_id, os.getpid(), graph, folder.absolute(), is_live, time.time(), takes_changes)
@@ -93,14 +93,14 @@ class RunningFile:
 
     def _write(self) -> None:
         path = _path(self._run.run_id)
-        if path is None:
+        if path is None or not is_linux():
             return
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         # It appears under its name when it is complete and locked: readers delete what is not.
         begun = path.with_suffix(_BEGUN)
-        fd = os.open(begun, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
+        fd = open_file(begun, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o600)
         try:
-            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock_file(fd)
             os.write(fd, json.dumps({**asdict(self._run), "folder": str(self._run.folder)}).encode())
             begun.rename(path)
         except OSError:
@@ -118,15 +118,3 @@ def _folder() -> Path | None:
 def _path(run_id: str) -> Path | None:
     folder = _folder()
     return None if folder is None else folder / f"{run_id}.json"
-
-
-def _is_locked(path: Path) -> bool:
-    """Return whether the process that wrote a file still runs."""
-    try:
-        with path.open("rb") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    return False

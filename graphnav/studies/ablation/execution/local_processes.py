@@ -16,6 +16,7 @@ from itertools import groupby
 from multiprocessing.connection import Pipe, wait
 from pathlib import Path
 from tempfile import gettempdir, mkdtemp
+from typing import Any
 
 from graphnav import GraphnavError
 from graphnav.core.machine import ONE_THREAD
@@ -63,20 +64,31 @@ def _world(task: Task) -> Hashable:
     return task.graph_path, task.seed
 
 
+@contextmanager
+def _apart(handle: int) -> Iterator[dict[str, Any]]:
+    """Yield the options of a process that inherits ``handle``, and leaves Ctrl-C to its parent, while it is started."""
+    if sys.platform == "win32":
+        os.set_handle_inheritable(handle, True)  # noqa: FBT003 - it takes no name
+        inherited = subprocess.STARTUPINFO(lpAttributeList={"handle_list": [handle]})
+        yield {"startupinfo": inherited, "creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+    else:
+        old = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            yield {"pass_fds": [handle]}
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, old)
+
+
 class WorkerProcess:
     """The process as its parent sees it. It ends when told, when idle, and with its parent, however that ends."""
 
     def __init__(self) -> None:
         self.connection, theirs = Pipe()
         command = [sys.executable, "-P", "-m", worker.__name__, str(theirs.fileno())]
-        old = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is the parent's to answer
-        try:
+        with contextlib.closing(theirs), _apart(theirs.fileno()) as options:
             self._process = subprocess.Popen(  # noqa: S603 - it is this program
-                command, env=os.environ | ONE_THREAD, stdin=subprocess.DEVNULL, stdout=2, pass_fds=[theirs.fileno()]
+                command, env=os.environ | ONE_THREAD, stdin=subprocess.DEVNULL, stdout=2, **options
             )
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, old)
-            theirs.close()
         self._used_s = time.monotonic()
 
     @property

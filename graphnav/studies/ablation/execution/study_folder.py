@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import shutil
 import tempfile
@@ -12,6 +11,7 @@ from types import TracebackType
 from typing import Self
 
 from graphnav import GraphnavError, UserError
+from graphnav.core.machine import lock_file, open_file
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import remember_copies
 from graphnav.core.trust import Request, read_plugin
@@ -42,13 +42,13 @@ class LockedFolder:
             path.mkdir(parents=True, exist_ok=True)
             if not (path / record).exists() and (others := sorted({p.name for p in path.iterdir()} - _OURS)):
                 raise UserError.of(f"{path} holds {others[0]}, but no {noun} ({record})", _ELSEWHERE)
-            self._lock = os.open(path / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            self._lock = open_file(path / _LOCK, os.O_RDWR | os.O_CREAT)
         except FileExistsError as error:
             raise UserError.of(f"{path} is a file", _ELSEWHERE) from error
         except OSError as error:
             raise UserError.of(f"cannot work in {path}: {error.strerror}", _ELSEWHERE) from error
         try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock_file(self._lock)
         except BlockingIOError as error:
             os.close(self._lock)
             what = f"another '{command}' is at work in {path}"

@@ -8,9 +8,13 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
-from multiprocessing.connection import Connection
 from pathlib import Path
 from queue import Empty, SimpleQueue
+
+if sys.platform == "win32":
+    from multiprocessing.connection import PipeConnection as Connection
+else:
+    from multiprocessing.connection import Connection
 
 from graphnav.core.errors import one_line
 from graphnav.core.machine import escaped_output
