@@ -15,6 +15,7 @@ from graphnav.core.codec import decode, encode, message_class_of, type_named
 from graphnav.core.errors import GraphnavError, shown_name
 from graphnav.core.large_messages.child import PACKET_BYTES
 from graphnav.core.lcm_url import tap_url
+from graphnav.core.machine.system import is_linux
 from graphnav.core.messages import About, Message
 from graphnav.core.notices import print_notice
 
@@ -210,11 +211,14 @@ def open_tap(
     tell: Callable[[str], None],
     notice: Callable[[str], None] | None = None,
 ) -> Tap | None:
-    """Return the tap of a run, or None if it is off or there is no multicast.
+    """Return the tap of a run, or None if it is off, there is no multicast, or this is not Linux.
 
     ``tell`` gets the reason if there is none; ``notice``, by default the same, gets notices of other runs on its group.
     """
     if mode == "none":
+        return None
+    if not is_linux():
+        tell("no tap: other programs can read the channels of a run on Linux only")
         return None
     try:
         return Tap(mode, run_id, tap_url(), notice or tell)

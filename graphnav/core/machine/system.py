@@ -35,7 +35,7 @@ def system_name() -> str:
 def require_linux(what: str) -> None:
     """Raise UserError on another system; ``what`` with its verb: "live runs work"."""
     if not is_linux():
-        hint = "simulation, studies, replay, figures and export work here; see 'Systems' in docs/howto/install.md"
+        hint = "simulation, studies, replay, figures and export work here"
         raise UserError.of(f"{what} on Linux only, and this is {system_name()}", hint)
 
 
