@@ -40,3 +40,37 @@ def test_templates_are_package_data(wheel: Path) -> None:
     }
     assert templates
     assert templates <= set(zipfile.ZipFile(wheel).namelist())
+
+
+def test_every_data_file_is_in_it_and_nothing_that_is_not_of_graphnav(wheel: Path) -> None:
+    names = set(zipfile.ZipFile(wheel).namelist())
+    assert {name.partition("/")[0].partition("-")[0] for name in names} == {
+        "graphnav",
+        *(
+            path.name
+            for folder in ("plugins", "lcmtypes", "graphs")
+            for path in (REPOSITORY / folder).glob("graphnav_*")
+        ),
+    }
+    for folder in ("graphs", "lcmtypes", "plugins"):
+        data = (path for path in (REPOSITORY / folder).glob("graphnav_*/**/*") if path.is_file())
+        kept = {p.relative_to(REPOSITORY / folder).as_posix() for p in data if "__pycache__" not in p.parts}
+        assert kept <= names
+    assert any(name.endswith(".lcm") for name in names)
+    assert any(name.startswith("graphnav_graphs/models/") for name in names)
+    assert not [name for name in names if "/tests/" in name or name.endswith((".pyc", ".md", ".ipynb"))]
+
+
+def test_it_declares_what_it_runs_on(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        [path] = [name for name in archive.namelist() if name.endswith("/METADATA")]
+        text = archive.read(path).decode()
+        assert [name for name in archive.namelist() if name.endswith("dist-info/licenses/LICENSE")]
+    for line in (
+        "Requires-Python: >=3.11",
+        "License-Expression: Apache-2.0",
+        "Description-Content-Type: text/markdown",
+    ):
+        assert f"\n{line}\n" in text
+    for system in ("POSIX :: Linux", "MacOS", "Microsoft :: Windows"):
+        assert f"\nClassifier: Operating System :: {system}\n" in text

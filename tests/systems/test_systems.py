@@ -13,16 +13,14 @@ from types import SimpleNamespace
 
 import mypy
 import pytest
+import yaml
 
 HERE = Path(__file__).parent
 STUBS = Path(mypy.__file__).parent / "typeshed" / "stdlib"
 """Those of the standard library say which names it has on which system."""
 OS_NAMES = {"win32": "nt", "darwin": "posix"}
-MODULES = {"curses": "curses/__init__", "os": "os/__init__"} | {
-    name: name
-    for name in ("fcntl", "grp", "mmap", "pty", "pwd", "resource", "select", "signal", "socket", "syslog", "termios")
-    + ("time", "tty")
-}
+_ALIKE = "fcntl grp mmap pty pwd resource select signal socket syslog termios time tty"
+MODULES = {"curses": "curses/__init__", "os": "os/__init__"} | {name: name for name in _ALIKE.split()}
 """The modules that differ between systems and that graphnav, or who maintains it, may import; the stubs of each."""
 
 
@@ -110,3 +108,11 @@ def test_commands_run_or_say_that_they_need_linux(system: dict[str, str], tmp_pa
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_the_workflow_names_both_systems_and_files_that_exist() -> None:
+    root = HERE.parents[1]
+    text = (root / ".github" / "workflows" / "systems.yml").read_text(encoding="utf-8")
+    job = yaml.safe_load(text)["jobs"]["wheel"]
+    assert {"macos-latest", "windows-latest"} <= set(job["strategy"]["matrix"]["system"])
+    lines = [step["run"] for step in job["steps"] if "run" in step]
+    [command] = [line for line in lines if "$GITHUB_WORKSPACE/" in line]
+    assert (root / command.partition("$GITHUB_WORKSPACE/")[2].rstrip('"')).samefile(HERE / "commands.py")

@@ -1,7 +1,7 @@
 """Let graphnav see another system than Linux, in every process that has this folder in its ``PYTHONPATH``.
 
-``GRAPHNAV_TEST_SYSTEM`` names the file that says which one: its ``sys.platform``, ``os.name``, and the modules and names
-that it lacks. Only graphnav's own imports are answered so: the standard library and other packages cannot be loaded as
+``GRAPHNAV_TEST_SYSTEM`` names the file that says which one: its ``sys.platform``, ``os.name``, and the modules and
+names that it lacks. Only graphnav's own imports are answered so: the standard library and other packages cannot be loaded as
 those of another system. Files below ``/proc`` cannot be opened by any code, and with the file's ``keeps_open`` no open
 file be removed or renamed, as on Windows. What Windows has instead of what it lacks stands in for it by that of Linux.
 
@@ -84,21 +84,23 @@ def simulate(platform: str, os_name: str, modules: list[str], names: dict[str, l
     windows = _OF_WINDOWS if platform == "win32" else {}
     has = {name: dict(windows.get(name, {})) for name in {"sys", "os", *names, *windows}}
     has["sys"]["platform"], has["os"]["name"] = platform, os_name
-    views = {
+    views: dict[str, ModuleType] = {
         name: View(__import__(name, fromlist=["*"]), set(names.get(name, [])), found) for name, found in has.items()
     }
     if windows:
         views["msvcrt"] = _MSVCRT
     usual = builtins.__import__
 
-    def imported(name: str, globals: Any = None, locals: Any = None, fromlist: Any = (), level: int = 0) -> Any:
-        package = str((globals or {}).get("__package__") or (globals or {}).get("__name__") or "")
+    def imported(name: str, *args: Any, **options: Any) -> Any:
+        given = dict(zip(("globals", "locals", "fromlist", "level"), args, strict=False)) | options
+        of, fromlist, level = given.get("globals") or {}, given.get("fromlist"), given.get("level", 0)
+        package = str(of.get("__package__") or of.get("__name__") or "")
         if level == 0 and package.startswith("graphnav"):
             if name.partition(".")[0] in modules:
                 raise ModuleNotFoundError(f"No module named '{name}' on this system", name=name)
             if name in views and (fromlist or "." not in name):
                 return views[name]
-        return usual(name, globals, locals, fromlist, level)
+        return usual(name, *args, **options)
 
     builtins.__import__ = imported
     looking = SimpleNamespace(is_on=False)
