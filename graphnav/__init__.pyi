@@ -26,6 +26,7 @@ from .core.api.logs.log import (
     open_log as open_log,
 )
 from .core.api.run import run as run
+from .core.codec import messages_by_name as messages_by_name
 from .core.continuity import Continuity as Continuity
 from .core.drawing import (
     PictureContext as PictureContext,
@@ -157,10 +158,16 @@ from .core.messages import (
 )
 from .core.mount import Mount as Mount
 from .core.numeric_fields import (
+    NumericField as NumericField,
+)
+from .core.numeric_fields import (
     message_from as message_from,
 )
 from .core.numeric_fields import (
     numeric_fields as numeric_fields,
+)
+from .core.numeric_fields import (
+    numeric_layout as numeric_layout,
 )
 from .core.record import Recording as Recording
 from .core.scene import (

@@ -54,7 +54,8 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
         Keyword arguments of consecutive calls of ``step``: messages, `Latest` or stamps by name. Their arrays are made
         read-only, as those of received messages are.
     params
-        Parameters that differ from the defaults. Paths may be relative to the shipped data.
+        Parameters that differ from the defaults, and those without one: a stage whose ports they declare
+        (`Stage.ports_from`) is checked with these ports. Paths may be relative to the shipped data.
 
     Raises
     ------
@@ -65,6 +66,9 @@ def check_stage(cls: type[Stage], *steps: Mapping[str, Any], **params: Any) -> N
     resolved = _params(cls, params)
     if resolved is None:
         return
+    if cls.ports_from:
+        cls = cls.with_ports(**{name: resolved[name] for name in cls.ports_from})
+        _check_declaration(cls)
     first, second, unread = (cls(**resolved) for _ in range(3))
     tell_readers(unread, ())
     try:
@@ -106,7 +110,7 @@ def _check_declaration(cls: type[Stage]) -> None:
     if issubclass(cls, Source):
         for port in ports.inputs:
             _require(not port.is_plain, cls, f"is a Source, but its input '{port.name}' is not sampled")
-    else:
+    elif ports.inputs or not cls.ports_from:
         needed = [port.name for port in ports.inputs if not port.may_be_open]
         _require(bool(needed), cls, "is not a Source and has no plain input that must be wired: nothing fires it")
     sampled = {port.name for port in ports.inputs if port.latest}

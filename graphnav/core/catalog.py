@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from importlib.machinery import SourceFileLoader
 from importlib.metadata import EntryPoint, entry_points
@@ -22,6 +22,7 @@ from graphnav.core.errors import (
     CatalogError,
     DeclarationError,
     Hint,
+    ParamError,
     did_you_mean,
     fix_the_plugin,
     message_line,
@@ -144,6 +145,37 @@ class Catalog:
             self._origins[use], f"the declaration of {use}", lambda: _check_declaration(cls, self._origins[use])
         )
         return cls
+
+    def stage_with_ports(self, use: str, params: Mapping[str, Any]) -> type[Stage]:
+        """Return the class of a stage whose parameters ``params`` declare its ports (`Stage.ports_from`).
+
+        Raises
+        ------
+        CatalogError
+            As of `stage`; or the stage's code raises, or the class that it makes is not one of a stage.
+        ParamError, ExceptionGroup
+            The parameters declare no ports; a group holds `ParamError` alone.
+        """
+        cls, origin, refused = self.stage(use), self._origins[use], list[ParamError | ExceptionGroup[Any]]()
+
+        def make() -> type[Stage]:
+            try:
+                made = cls.with_ports(**params)
+            except ParamError as error:
+                refused.append(error)
+                return cls
+            except ExceptionGroup as error:
+                if error.split(ParamError)[1] is not None:
+                    raise
+                refused.append(error)
+                return cls
+            _check_declaration(made, origin)
+            return made
+
+        made = self.called(origin, f"with_ports() of {use}", make)
+        if refused:
+            raise refused[0]
+        return made
 
     def has(self, use: str) -> bool:
         """Return whether a loaded family or file has this stage."""
@@ -345,7 +377,8 @@ def _check_declaration(cls: type[Stage], origin: str) -> None:
         )
     if issubclass(cls, Source):
         _check_reproducible(cls, origin)
-    if not issubclass(cls, Source) and all(port.may_be_open for port in ports_of(cls).inputs):
+    has_ports = not cls.ports_from or bool(ports_of(cls).inputs)
+    if has_ports and not issubclass(cls, Source) and all(port.may_be_open for port in ports_of(cls).inputs):
         raise CatalogError(
             f"{origin}: nothing fires {cls.__qualname__}: it is not a Source and all its inputs are sampled",
             "derive it from Source, or annotate an input without Latest",

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, TypeVar, get_type_hints
 import numpy as np
 import numpy.typing as npt
 
+from graphnav.core.codec.layout import fields_of
 from graphnav.core.codec.message_fields import array_dtype
 from graphnav.core.messages import FieldError, Message
 
@@ -77,6 +78,25 @@ def numeric_names(message_class: type[Message]) -> tuple[str, ...]:
     """Return the names of the fields of a message class that `numeric_fields` gives."""
     cached: type = message_class
     return tuple(_kinds(cached))
+
+
+class NumericField(NamedTuple):
+    """Elements and shape of the array that `numeric_fields` gives for a field."""
+
+    dtype: np.dtype[Any]
+    shape: tuple[int | None, ...] | None
+    """None for an axis of any length; without a shape the field may have any."""
+
+
+def numeric_layout(message_class: type[Message]) -> dict[str, NumericField]:
+    """Return the fields of a message class that `numeric_fields` gives, as far as the class declares them."""
+    cached: type = message_class
+    dims = {field.name: field.dims for field in fields_of(message_class.lcm_class)}
+    found: dict[str, NumericField] = {}
+    for name, kind in _kinds(cached).items():
+        axes = tuple(axis if isinstance(axis, int) else None for axis in dims.get(name, ()))
+        found[name] = NumericField(kind.given, (1,) if kind.scalar is not None else axes or None)
+    return found
 
 
 @functools.cache

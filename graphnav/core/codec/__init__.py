@@ -13,6 +13,7 @@ from graphnav.core.codec.known_types import (
     message_class_of,
     message_classes,
     message_types,
+    messages_by_name,
     type_named,
     type_of,
 )
@@ -44,6 +45,7 @@ __all__ = [
     "message_class_of",
     "message_classes",
     "message_types",
+    "messages_by_name",
     "not_finite",
     "type_named",
     "type_of",

@@ -12,7 +12,7 @@ import graphnav_lcm
 
 from graphnav.core.codec.layout import fingerprint, hide_prefix, lcm_name
 from graphnav.core.errors import UserError, did_you_mean
-from graphnav.core.messages import Message
+from graphnav.core.messages import Message, snake_case
 
 _added: dict[str, type] = {}
 """Types without a message class, by their LCM names; filled by imports, as subclasses are."""
@@ -51,6 +51,14 @@ def message_classes() -> Iterator[type[Message]]:
         if hasattr(found, "lcm_class"):
             yield found
         waiting += found.__subclasses__()
+
+
+def messages_by_name() -> dict[str, type[Message]]:
+    """Return the imported message classes by their names as ports have them, ``local_map``; the first of a name."""
+    found: dict[str, type[Message]] = {}
+    for message in message_classes():
+        found.setdefault(snake_case(message.__name__), message)
+    return found
 
 
 def message_class_of(lcm_class: type) -> type[Message] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from graphnav.core.graph.wiring.inputs import inputs_of
 from graphnav.core.graph.wiring.outputs import outputs_of, unnoticed_faults
 from graphnav.core.graph.wiring.processes import parts_of
 from graphnav.core.graph.wiring.settings import run_options, settings_of
+from graphnav.core.graph.wiring.stage_class import stage_class
 from graphnav.core.graph.wiring.wires import Wires
 from graphnav.core.messages import Message
 from graphnav.core.spec import Spec, StageSpec
@@ -36,13 +38,19 @@ def classes_of(
     """
     classes = {}
     for stage in spec.stages.values():
+        with suppress(CatalogError):
+            catalog.stage(stage.use)  # its family may define the messages of a stage that stands before it
+    for stage in spec.stages.values():
         if not stage.use:
             continue
         try:
-            classes[stage.name] = catalog.stage(stage.use)
+            cls = stage_class(stage, catalog, problems)
         except CatalogError as error:
             if catalog.has(stage.use) or not may_lack:
                 problems.append(error.problem(stage.use_place))
+            continue
+        if cls is not None:
+            classes[stage.name] = cls
     return classes
 
 

@@ -103,11 +103,12 @@ def _use(cls: type[Stage]) -> Schema:
         port.name: {"type": "string", "pattern": _REF, "description": f"a channel of {port.message.__name__}"}
         for port in inputs
     }
+    free: Schema = {"type": "object", "additionalProperties": {"type": "string", "pattern": _REF}}
     return {
         "description": summary_of(cls),
         "properties": {
             "with": _optional({name: param_schema(param) for name, param in params.items()}, needed),
-            "in": _optional(wires, plain),
+            "in": free if cls.ports_from else _optional(wires, plain),
         },
         "required": [word for word, names in (("with", needed), ("in", plain)) if names],
     }

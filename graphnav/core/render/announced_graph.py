@@ -9,6 +9,7 @@ from typing import TypeVar
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, UserError
 from graphnav.core.graph import Channel
+from graphnav.core.graph.wiring.stage_class import stage_class
 from graphnav.core.messages import About, Message
 from graphnav.core.render.boxes import Box, InPort, Kind, OutPort
 from graphnav.core.render.geometry import Geometry, Sizes, geometry_of
@@ -75,22 +76,24 @@ class _Reader:
         return tuple(dict.fromkeys(name for name in named if name))
 
     def stage_box(self, stage: StageSpec) -> Box:
-        """Return the box of a stage; the ports of a stage that is not installed are derived from the wires."""
+        """Return the box of a stage; the ports of a stage that is not known are derived from the wires."""
         wires = {port: _text(wire) for port, wire in _short(stage.wires).items()}
         try:
-            stage_class = self._catalog.stage(stage.use)
+            cls = stage_class(stage, self._catalog, [])
         except CatalogError:
+            cls = None
+        if cls is None:
             inputs = tuple(InPort(port, _channel(ref)) for port, ref in wires.items())
             ports_of_stage = [ref for ref in self._channels if ref.rpartition(".")[0] == stage.name]
             outputs = tuple(self._out_port(ref, Message) for ref in ports_of_stage[:_MAX_PORTS])
             kind: Kind = "stage" if wires else "source"
             return Box(stage.name, stage.name, stage.use[:_MAX_NAME], kind, inputs[:_MAX_PORTS], outputs)
-        ports = ports_of(stage_class)
+        ports = ports_of(cls)
         return Box(
             stage.name,
             stage.name,
             stage.use,
-            "source" if issubclass(stage_class, Source) else "stage",
+            "source" if issubclass(cls, Source) else "stage",
             tuple(_in_port(port, wires.get(port.name)) for port in ports.inputs),
             tuple(self._out_port(f"{stage.name}.{port.name}", port.message) for port in ports.outputs),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ def describe(use: str, cls: type[Stage], origin: str) -> dict[str, Any]:
         "doc": inspect.getdoc(cls) or "",
         "inputs": [_port(port) for port in ports.inputs],
         "outputs": [_port(port) for port in ports.outputs],
+        "ports_from": list(cls.ports_from),
         "parameters": [_param(param) for param in params_of(cls).values()],
         "metrics": [_metric(metric) for metric in metrics_of(cls).values()],
     }
@@ -37,6 +39,8 @@ def plain_data(value: Any) -> Any:
     """Return a parameter's value as YAML and JSON data."""
     if isinstance(value, tuple):
         return [plain_data(item) for item in value]
+    if isinstance(value, Mapping):
+        return {key: plain_data(item) for key, item in value.items()}
     return str(value) if isinstance(value, Path) else value
 
 

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import re
 import types
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -66,9 +66,8 @@ class Param:
             It has another type, is not finite or is out of bounds.
         """
         parsed = _convert(self.name, self.type, value)
-        for number in parsed if isinstance(parsed, tuple) else (parsed,):
-            if isinstance(number, int | float) and not isinstance(number, bool):
-                self._check_bounds(number)
+        for number in _numbers(parsed):
+            self._check_bounds(number)
         return parsed
 
     def accepts(self, value: Any) -> bool:
@@ -111,7 +110,7 @@ def param(
         Meaning, and the effect of larger and smaller values. The unit is the suffix of the name (``_px``, ``_s``, ...);
         a float without a unit is documented as "dimensionless".
     ge, gt, le, lt
-        Bounds: minimum, exclusive minimum, maximum, exclusive maximum. For tuples they apply to every number.
+        Bounds: minimum, exclusive minimum, maximum, exclusive maximum. Apply to every number of a tuple or mapping.
     renamed_from
         Former name. A graph that uses it is refused with the new name as the suggestion; the graph of a log or a run
         folder is read as if it used the new name.
@@ -149,7 +148,7 @@ def _params_of(cls: Any) -> Mapping[str, Param]:
         if not _is_supported(hints[f.name]):
             raise DeclarationError(
                 f"parameter '{f.name}' of {cls.__qualname__} has type {hints[f.name]}: "
-                "use bool, int, float, str, Path, Literal, a tuple of them, or one of these | None"
+                "use bool, int, float, str, Path, Literal, a tuple or Mapping[str, ...] of them, or one of these | None"
             )
         found[f.name] = Param(f.name, hints[f.name], f.default, **f.metadata["param"])
     return MappingProxyType(found)
@@ -164,6 +163,8 @@ def type_text(kind: Any) -> str:
         if args[-1] is Ellipsis:
             return f"a list, each {type_text(args[0])}"
         return "[" + ", ".join(type_text(a) for a in args) + "]"
+    if origin is Mapping:
+        return f"a mapping, each {type_text(args[1])}"
     if origin in (Union, types.UnionType):
         return _any_of([type_text(a) for a in args if a is not type(None)] + ["null"])
     return _TYPE_NAMES.get(kind, str(kind))
@@ -179,6 +180,8 @@ def _is_supported(kind: Any) -> bool:
         return True
     if origin is tuple:
         return all(a is Ellipsis or _is_supported(a) for a in args)
+    if origin is Mapping:
+        return args[0] is str and _is_supported(args[1])
     if origin in (Union, types.UnionType):
         return all(a is type(None) or _is_supported(a) for a in args)
     return kind in _SCALARS
@@ -189,11 +192,9 @@ def _convert(name: str, kind: Any, value: Any) -> Any:
     if origin is Literal:
         if any(value == a and type(value) is type(a) for a in args):
             return value
-    elif origin is tuple:
-        if isinstance(value, list | tuple):
-            each = [args[0]] * len(value) if args[-1] is Ellipsis else list(args)
-            if len(each) == len(value):
-                return tuple(_convert(name, k, v) for k, v in zip(each, value, strict=True))
+    elif origin in (tuple, Mapping):
+        if (items := _convert_items(name, kind, value)) is not None:
+            return items
     elif origin in (Union, types.UnionType):
         return _convert_union(name, kind, value)
     elif kind is float:
@@ -207,6 +208,19 @@ def _convert(name: str, kind: Any, value: Any) -> Any:
     elif type(value) is kind:
         return value
     raise ParamError(name, f"'{name}' must be {type_text(kind)}, not {_shown(value)}", _hint(kind, value))
+
+
+def _convert_items(name: str, kind: Any, value: Any) -> Any:
+    """Return a list as a tuple or a mapping as one that is read-only, None for anything else than ``kind``."""
+    args = get_args(kind)
+    if get_origin(kind) is Mapping:
+        if isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
+            return MappingProxyType({key: _convert(name, args[1], item) for key, item in value.items()})
+    elif isinstance(value, list | tuple):
+        each = [args[0]] * len(value) if args[-1] is Ellipsis else list(args)
+        if len(each) == len(value):
+            return tuple(_convert(name, k, v) for k, v in zip(each, value, strict=True))
+    return None
 
 
 def _as_float(name: str, value: float) -> float:
@@ -246,6 +260,15 @@ def _hint(kind: Any, value: Any) -> Hint:
     return did_you_mean(value, choices)
 
 
+def _numbers(value: Any) -> Iterator[float]:
+    """Yield the numbers of a parsed value, those in tuples and mappings too."""
+    if isinstance(value, tuple | Mapping):
+        for item in value.values() if isinstance(value, Mapping) else value:
+            yield from _numbers(item)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield value
+
+
 def _number(number: float) -> str:
     return str(number) if isinstance(number, int) else f"{number:.12g}"
 
@@ -257,7 +280,7 @@ def _shown(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, str):
         return f"the string '{value}'" if len(value) <= 60 else f"a string of {len(value)} characters"
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return "a mapping"
     if isinstance(value, list | tuple):
         return f"a list of {len(value)}"

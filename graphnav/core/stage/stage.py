@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping
-from typing import Any, ClassVar, Final, Literal, NamedTuple, dataclass_transform, get_args
+from typing import Any, ClassVar, Final, Literal, NamedTuple, Self, dataclass_transform, get_args
 
 from graphnav.core.errors import ParamError
 from graphnav.core.messages.message import Message
@@ -65,6 +65,9 @@ class Stage:
     unnoticed: ClassVar[tuple[Unnoticed, ...]] = ()
     """Faults that a guard cannot notice where inputs of it are not wired, told where it writes a motor channel."""
 
+    ports_from: ClassVar[tuple[str, ...]] = ()
+    """Parameters that declare its ports, if ``step`` does not: `with_ports` gets them."""
+
     _read_ports: frozenset[str] | None = None
     _run_seed: int | None = None
 
@@ -88,6 +91,22 @@ class Stage:
             except ParamError:
                 if value is not declared.default:
                     raise
+
+    @classmethod
+    def with_ports(cls, **params: Any) -> type[Self]:  # noqa: ARG003
+        """Return the subclass whose ``step`` has the ports that the parameters of ``ports_from`` declare.
+
+        Called where a graph is loaded, before anything is wired, for a stage that names such parameters, with all of
+        them. The same ports give the same class.
+
+        Raises
+        ------
+        ParamError
+            They declare no ports; shown at the parameter's location in the graph.
+        ExceptionGroup
+            Several `ParamError` of this kind, all of which are shown.
+        """
+        return cls
 
     def reset(self, seed: int) -> None:
         """Initialise the state; all randomness derives from ``seed``."""

@@ -8,6 +8,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Hint, Place, Problem, Suggestion
 from graphnav.core.graph.node import SET
 from graphnav.core.graph.wiring.inputs import input_messages
+from graphnav.core.graph.wiring.stage_class import stage_class
 from graphnav.core.graph.wiring.wires import add_writer
 from graphnav.core.messages import Message
 from graphnav.core.spec import Entry, Spec, StageSpec, Value
@@ -89,9 +90,11 @@ class Rewiring:
         classes = {}
         for stage in self._spec.stages.values():
             try:
-                classes[stage.name] = self._catalog.stage(stage.use)
+                cls = stage_class(stage, self._catalog, [])
             except CatalogError:
                 continue  # reported by the check of the graph
+            if cls is not None:
+                classes[stage.name] = cls
         return classes
 
     def _close_broken(self, swapped: Collection[str], channels: Mapping[str, type[Message]]) -> None:
@@ -111,7 +114,7 @@ class Rewiring:
                 self._wire_to_only(self._spec.stages[reader], port, channels, ref)
 
     def _wire_new(self, stage: StageSpec, channels: Mapping[str, type[Message]]) -> None:
-        for port in ports_of(self._catalog.stage(stage.use)).inputs:
+        for port in ports_of(self.classes()[stage.name]).inputs:
             if port.name in stage.wires or (stage.name, port.name) in self._given:
                 continue
             if not port.may_be_open or port.message.is_truth:

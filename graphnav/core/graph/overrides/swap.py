@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Problem
@@ -11,6 +12,7 @@ from graphnav.core.graph.overrides.carry_over import kept_params, kept_wires, lo
 from graphnav.core.graph.overrides.override import Override
 from graphnav.core.graph.overrides.prune import prune
 from graphnav.core.graph.overrides.rewire import Rewiring
+from graphnav.core.graph.wiring.stage_class import stage_class
 from graphnav.core.spec import Spec, StageSpec, time_problems
 
 
@@ -69,7 +71,7 @@ class _Change:
         self._adds = [a for a in assignments if a.kind == "add"]
         self._swaps = [a for a in assignments if a.kind == "swap"]
         self._wires = {(a.stage, a.key): a for a in assignments if a.kind == "wire"}
-        self._params = {(a.stage, a.key) for a in assignments if a.kind == "param"}
+        self._params = {(a.stage, a.key): a.entry for a in assignments if a.kind == "param"}
         self._rewiring = Rewiring(spec, catalog, self._wires.keys(), problems, notices)
         self._before = self._rewiring.classes()
 
@@ -81,6 +83,7 @@ class _Change:
         swaps_of_added = {a.stage: a for a in self._swaps}
         for a in self._adds:
             _add_stage(self._spec, swaps_of_added.pop(a.stage, a), self._catalog, self._given(a.stage), self._notices)
+            self._declare_ports(self._spec.stages[a.stage])
         swapped = [a.stage for a in swaps_of_added.values() if self._replace(a)]
         for given in self._wires.values():
             self._spec.stages[given.stage].wires[given.key] = given.entry
@@ -91,6 +94,12 @@ class _Change:
     def _given(self, stage: str) -> list[str]:
         """Return the parameters of a stage that are set too."""
         return [key for name, key in self._params if name == stage]
+
+    def _declare_ports(self, stage: StageSpec) -> None:
+        """Set the parameters that declare the ports of a new stage: it is wired before the others are set."""
+        with suppress(CatalogError):  # reported by the check of the graph
+            names = self._catalog.stage(stage.use).ports_from
+            stage.params |= {key: self._params[stage.name, key] for key in names if (stage.name, key) in self._params}
 
     def _replace(self, swap: Assignment) -> bool:
         stage = self._spec.stages[swap.stage]
@@ -105,10 +114,13 @@ class _Change:
             return False  # reported by the check of the graph
         kept = kept_params(stage.params, old, new)
         lost = [name for name in stage.params if name not in kept]
+        stage.params = kept
+        self._declare_ports(stage)
+        new = stage_class(stage, self._catalog, []) or new
         what = f"{stage.name}: {old_use} swapped for {swap.text}"
         self._notices.append(params_notice(what, new, kept, lost, self._given(stage.name)))
         self._notices += lost_wires(stage.name, stage.wires, new)
-        stage.params, stage.wires = kept, kept_wires(stage.wires, old, new)
+        stage.wires = kept_wires(stage.wires, old, new)
         return True
 
     def _write_out_references(self) -> None:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Place, Problem, did_you_mean
 from graphnav.core.graph.overrides.carry_over import kept_params, kept_wires, lost_wires, params_notice, written_out
-from graphnav.core.spec import Entry, Value
+from graphnav.core.graph.wiring.stage_class import stage_class
+from graphnav.core.spec import Entry, StageSpec, Value
 from graphnav.core.stage import Stage
 
 Words = dict[str, Entry]
@@ -147,10 +148,10 @@ class StageMerge:
 
     def _swapped(self, name: str, before: Entry, new: Entry) -> Words:
         """Return what a stage keeps when its ``use`` changes."""
-        words, cls = dict(_mapping(before)), self._class(_use(new))
+        words, cls = dict(_mapping(before)), self._class(name, new)
         if cls is None:
             return words  # said by the check of the graph
-        old, params, wires = self._class(_use(before)), _mapping(words.get("with")), _mapping(words.get("in"))
+        old, params, wires = self._class(name, before), _mapping(words.get("with")), _mapping(words.get("in"))
         kept = kept_params(params, old, cls)
         what = f"{name}: {_use(before)} swapped for {_use(new)}"
         self._told.append(_Swap(name, what, cls, kept, tuple(param for param in params if param not in kept)))
@@ -162,7 +163,7 @@ class StageMerge:
 
     def _written_out(self, stages: Words) -> Words:
         """Return the stages with every reference to a stage's one output written as ``stage.port``."""
-        classes = {name: cls for name, entry in stages.items() if (cls := self._class(_use(entry)))}
+        classes = {name: cls for name, entry in stages.items() if (cls := self._class(name, entry))}
         found = {}
         for name, entry in stages.items():
             words = dict(_mapping(entry))
@@ -172,9 +173,14 @@ class StageMerge:
             found[name] = Entry(entry.place, Value(words, entry.value.place)) if wires else entry
         return found
 
-    def _class(self, use: str) -> type[Stage] | None:
+    def _class(self, name: str, entry: Entry) -> type[Stage] | None:
+        """Return the class of a stage, None where it is not known."""
+        use, params = _use(entry), _mapping(_mapping(entry).get("with"))
+        if not use or self._catalog is None:
+            return None
+        stage = StageSpec(name=name, place=entry.place, use=use, use_place=entry.place, params=params)
         try:
-            return self._catalog.stage(use) if use and self._catalog else None
+            return stage_class(stage, self._catalog, [])
         except CatalogError:
             return None
 

@@ -55,6 +55,12 @@ def settings_of(
     return settings
 
 
+def param_problem(spec: StageSpec, settings: Mapping[str, Setting], error: ParamError) -> Problem:
+    """Return what a stage says of its parameters as a problem at the parameter's place."""
+    setting = settings.get(error.param)
+    return Problem(setting.place if setting else spec.place, f"{spec.use}: {error.what}", error.hint)
+
+
 def _problem(spec: StageSpec, error: ParamError, place: Place, *, is_default: bool) -> Problem:
     """Return what is wrong with the value of a parameter; a default, which is not in the graph, is named as one."""
     if not is_default:
