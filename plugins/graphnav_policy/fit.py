@@ -8,7 +8,7 @@ from dataclasses import MISSING, fields
 
 import numpy as np
 
-from graphnav import Message, ParamError, did_you_mean, numeric_layout
+from graphnav import Message, ParamError, did_you_mean
 from graphnav_policy.declared import Declared, FieldOf
 from graphnav_policy.network import Network, Shape, Tensor, shape_text
 
@@ -83,14 +83,14 @@ def message_problems(
         elif word in given:
             yield ParamError("constants", f"'{word}' is given by the network and in 'constants'", "remove one of them")
     for port, message in writes.items():
-        for field in fields(message):
-            word = f"{port}.{field.name}"
-            has_default = field.default is not MISSING or field.default_factory is not MISSING
-            if not has_default and word not in given and word not in constants:
-                hint = f"give it by the network, {'TENSOR: ' + word}, or write constants: {{{word}: ...}}"
-                if field.name not in numeric_layout(message):
-                    hint = f"write constants: {{{word}: ...}}"
-                yield ParamError("outputs", f"nothing gives '{word}', which every {message.__name__} has", hint)
+        required = [f for f in fields(message) if f.default is MISSING and f.default_factory is MISSING]
+        missing = [word for f in required if (word := f"{port}.{f.name}") not in given and word not in constants]
+        if missing:
+            words = ", ".join(f"'{word}'" for word in missing)
+            what = f"every {message.__name__} has {words}, which the network does not give"
+            yield ParamError(
+                "outputs", what, f"write outputs: {{TENSOR: {missing[0]}}}, or constants: {{{missing[0]}: ...}}"
+            )
 
 
 def _unknown(param: str, names: Iterable[str], known: Mapping[str, Tensor], kind: str) -> Iterator[ParamError]:
@@ -117,8 +117,10 @@ def _input_problems(tensor: Tensor, one: Declared, steps: int | None, latest: Co
         what = f"the network's input '{name}' takes {shape_text(tensor.shape)}, without a batch axis of 1"
         yield ParamError("inputs", what, "export it with a first axis of length 1")
     elif shape is None and steps and tensor.shape[1] not in (steps, None):
-        what = f"the network's input '{name}' takes the last {tensor.shape[1]}, but 'history' gives {steps}"
-        yield ParamError("history", what, f"write history: {{{name}: {tensor.shape[1]}}}")
+        what = (
+            f"the network's input '{name}' takes {shape_text(tensor.shape)}, whose second axis is not the last {steps}"
+        )
+        yield ParamError("history", what, f"write history: {{{name}: {tensor.shape[1]}}}, or leave it out")
     for field in one.fields:
         shape = tensor.shape[1 + bool(steps) :] if len(one.fields) == 1 else field.layout.shape
         if field.port in latest and (shape is None or None in shape):

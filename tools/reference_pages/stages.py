@@ -50,6 +50,9 @@ def _section(use: str) -> str:
             f"## {use}",
             f"*{kind[0].upper()}{kind[1:]}.*",
             docstring(said["doc"]),
+            sentence("Its ports are those that its parameters name: " + ", ".join(map(code, said["ports_from"])))
+            if said["ports_from"]
+            else "",
             titled_bullets("Inputs", [_input(port) for port in said["inputs"]]),
             titled_bullets("Outputs", [f"`{port['name']}`: {_message(port)}" for port in said["outputs"]]),
             titled_bullets("Parameters", [_param(param) for param in said["parameters"]]),

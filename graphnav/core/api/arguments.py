@@ -154,7 +154,7 @@ class Argument:
 
 
 def plain(value: object, name: str, depth: int = 0) -> object:
-    """Return a value without numpy types; ``depth``: of the lists that contain it.
+    """Return a value without numpy types; ``depth``: of the lists and mappings that contain it.
 
     Raises
     ------
@@ -168,9 +168,12 @@ def plain(value: object, name: str, depth: int = 0) -> object:
         value = value.tolist()
     if isinstance(value, list | tuple):
         return [plain(item, name, depth + 1) for item in value]
+    if isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
+        return {key: plain(item, name, depth + 1) for key, item in value.items()}
     if value is None or isinstance(value, bool | int | float | str | Path):
         return value
-    raise wrong_type(name, value, "a string, number, bool, None, path or a list of these", "write its name or value")
+    wanted = "a string, number, bool, None, path, or a list or mapping of these"
+    raise wrong_type(name, value, wanted, "write its name or value")
 
 
 def seconds_of(value: object, name: str) -> int | None:
@@ -201,6 +204,8 @@ def _paths_as_text(value: object) -> object:
     """Return plain data with strings in place of paths."""
     if isinstance(value, list):
         return [_paths_as_text(item) for item in value]
+    if isinstance(value, dict):
+        return {key: _paths_as_text(item) for key, item in value.items()}
     return str(value) if isinstance(value, Path) else value
 
 

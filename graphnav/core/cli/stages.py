@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from graphnav.core.api.parameters import Shared
@@ -137,6 +137,8 @@ def _all(catalog: Catalog, uses: list[str], *, with_ports: bool) -> Table:
         ports = ports_of(cls)
         reads = ", ".join(f"{p.name}{f' ({p.reading})' if p.reading else ''}" for p in ports.inputs)
         writes = ", ".join(p.name for p in ports.outputs)
+        if cls.ports_from:
+            reads = writes = f"as {_and(cls.ports_from)} say"
         rows.append((use, *((reads, writes) if with_ports else ()), summary_of(cls)))
     return Table.plain(("stage", *(("reads", "writes") if with_ports else ()), "description"), rows)
 
@@ -152,6 +154,9 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     )
     console.print()
     console.print(_flowing(described["doc"]), markup=False)
+    if described["ports_from"]:
+        console.print()
+        console.print(f"Its ports are as {_and(described['ports_from'])} say.", markup=False)
     for table in _tables(described):
         if table.rows:
             console.print()
@@ -159,6 +164,10 @@ def _print_one(console: Console, described: dict[str, Any]) -> None:
     console.print()
     console.print("In a graph:")
     console.print(_snippet(described), markup=False, soft_wrap=True)
+
+
+def _and(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _tables(described: dict[str, Any]) -> Iterator[Table]:

@@ -158,7 +158,12 @@ def _order(spec: Spec, nodes: list[Node], problems: list[Problem]) -> list[Node]
         port = next(i.port.name for i, channel in _plain(reader) if channel.stage == loop[-2])
         place = spec.stages[reader.name].wires[port].value.place
         what = f"a loop without a sampled input never fires: {' -> '.join(loop)}"
-        hint = f"make one of its inputs sampled, for instance '{port}' of {reader.use}: Latest[...]"
+        how = (
+            f"by its parameters {', '.join(reader.stage_class.ports_from)}"
+            if reader.stage_class.ports_from
+            else "Latest[...]"
+        )
+        hint = f"make one of its inputs sampled, for instance '{port}' of {reader.use}: {how}"
         problems.append(Problem(place, what, hint))
     return [by_name[name] for name in order if not by_name[name].is_source]
 

@@ -166,7 +166,8 @@ def type_text(kind: Any) -> str:
     if origin is Mapping:
         return f"a mapping, each {type_text(args[1])}"
     if origin in (Union, types.UnionType):
-        return _any_of([type_text(a) for a in args if a is not type(None)] + ["null"])
+        null = ["null"] if type(None) in args else []
+        return _any_of([type_text(a) for a in args if a is not type(None)] + null)
     return _TYPE_NAMES.get(kind, str(kind))
 
 
@@ -215,7 +216,10 @@ def _convert_items(name: str, kind: Any, value: Any) -> Any:
     args = get_args(kind)
     if get_origin(kind) is Mapping:
         if isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
-            return MappingProxyType({key: _convert(name, args[1], item) for key, item in value.items()})
+            try:
+                return MappingProxyType({key: _convert(f"{name}.{key}", args[1], item) for key, item in value.items()})
+            except ParamError as error:
+                raise ParamError(name, error.what, error.hint) from error
     elif isinstance(value, list | tuple):
         each = [args[0]] * len(value) if args[-1] is Ellipsis else list(args)
         if len(each) == len(value):
