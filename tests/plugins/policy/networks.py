@@ -24,7 +24,7 @@ def network(
     opset: int = 17,
     ir_version: int = 9,
 ) -> ModelProto:
-    """Return a network of nodes ``(operator, inputs, outputs)``, names with spaces between, or of `helper.make_node`."""
+    """Return a network of nodes ``(operator, inputs, outputs)``, names with spaces between, or made by `helper`."""
     kinds = dict(types or {})
 
     def told(shapes: Mapping[str, Shape]) -> list[Any]:
