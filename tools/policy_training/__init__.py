@@ -1,0 +1,1 @@
+"""How ``tools/train_policy.py`` drives, learns and exports."""
