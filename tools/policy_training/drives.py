@@ -29,6 +29,8 @@ CORRIDORS = ("corners", "tight", "crowd", "laps")
 PILLARS = ("shake", "odometry", "speed", "doors", "low", "crossers", "tilt", "light", "neutral")
 WORLDS = (*CORRIDORS, *PILLARS, "barn")
 N_BARN = 300
+FRAMES = 7
+"""Pictures that the network is given, the newest last."""
 SEEDS_EACH = 69
 
 
@@ -107,18 +109,32 @@ def graph_of(drive: Drive) -> dict[str, Any]:
 
 
 def policy_stage(policy: Path, world: str) -> dict[str, Any]:
-    """Return the stage that drives by a network."""
-    speeds = SPEEDS.get(world, Speeds())
-    inputs = {"image": "robot.image"} | ({} if world in CORRIDORS else {"goal": "robot.goal"})
-    given = {"max_speed_mps": speeds.max_speed_mps, "max_turn_radps": speeds.max_turn_radps}
-    return {"use": "private_policy.net", "with": {"model": str(policy), **given}, "in": inputs}
+    """Return the stage that drives by a network, as `parts/learned` has it."""
+    speeds, has_beacon = SPEEDS.get(world, Speeds()), world not in CORRIDORS
+    inputs: dict[str, str | float] = {
+        "image": "image.pixels",
+        "bearing_rad": "goal.bearing_rad" if has_beacon else 0,
+        "distance_m": "goal.distance_m" if has_beacon else 0,
+        "max_speed_mps": speeds.max_speed_mps,
+        "max_turn_radps": speeds.max_turn_radps,
+    }
+    return {
+        "use": "policy.onnx",
+        "with": {
+            "file": str(policy.resolve()),
+            "inputs": inputs,
+            "history": {"image": FRAMES},
+            "outputs": {"v_mps": "twist.v_mps", "omega_radps": "twist.omega_radps"},
+        },
+        "in": {"image": "robot.image"} | ({"goal": "robot.goal"} if has_beacon else {}),
+    }
 
 
 def made(drives: Sequence[Drive], folder: Path, jobs: int) -> Iterator[tuple[Drive, str]]:
     """Make the drives that a folder lacks, some at a time; yield each with its outcome, in order."""
     folder.mkdir(parents=True, exist_ok=True)
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        yield from zip(drives, pool.map(_make, drives, [folder] * len(drives)), strict=True)
+        yield from zip(drives, pool.map(make, drives, [folder] * len(drives)), strict=True)
 
 
 def file_of(drive: Drive, folder: Path) -> Path:
@@ -126,18 +142,19 @@ def file_of(drive: Drive, folder: Path) -> Path:
     return folder / f"{drive.world}_{drive.seed:03d}.npz"
 
 
-def _make(drive: Drive, folder: Path) -> str:
+def make(drive: Drive, folder: Path) -> str:
+    """Make a drive that a folder lacks; return its outcome."""
     path = file_of(drive, folder)
     if path.exists():
         return "there already"
     with tempfile.TemporaryDirectory() as scratch:
         graph = Path(scratch) / "drive.yaml"
         graph.write_text(yaml.safe_dump(graph_of(drive)))
-        plugins = [MIXING] if drive.policy is None else [MIXING, "/work/wt/private_policy.py"]
+        log_folder = Path(scratch) / "run"
         run = graphnav.run(
-            graph, seed=drive.seed, folder=Path(scratch) / "run", plugins=plugins, record="all", pictures=False, check=True
+            graph, seed=drive.seed, folder=log_folder, plugins=[MIXING], record="all", pictures=False, check=True
         )
-        with Recording(Path(scratch) / "run" / "run.lcmlog") as log:
+        with Recording(log_folder / "run.lcmlog") as log:
             arrays = _arrays(log, drive.world)
         with graphnav.written_aside(path) as aside:
             np.savez_compressed(aside, **arrays)

@@ -27,9 +27,11 @@ class Mix(Stage):
     role: ClassVar[Role] = "oracle"
 
     policy_ratio: float = param(0.0, ge=0.0, le=1.0, doc="share of the turns that the policy gets")
-    chance_ratio: float = param(0.25, ge=0.0, le=1.0, doc="share of the turns that chance gets; the teacher has the rest")
+    chance_ratio: float = param(
+        0.25, ge=0.0, le=1.0, doc="share of the turns that chance gets; the teacher has the rest"
+    )
     turn_s: float = param(1.5, gt=0.0, le=60.0, doc="mean length of a turn; those of chance are half as long")
-    near_m: float = param(0.05, ge=0.0, le=10.0, doc="clearance below which the teacher takes over")
+    near_m: float = param(0.08, ge=0.0, le=10.0, doc="clearance below which the teacher takes over")
     rescue_s: float = param(1.5, gt=0.0, le=60.0, doc="for how long it then drives")
     max_speed_mps: float = param(0.3, gt=0.0, le=20.0, doc="fastest that chance drives")
     max_turn_radps: float = param(1.2, gt=0.0, le=20.0, doc="fastest that chance turns")
