@@ -34,8 +34,13 @@ def _compared(graph: str, seed: int, folder: Path) -> tuple[int, int]:
     """Return how many commands the guard changed, added or held back in a drive, and how many there were."""
     drive(graph, seed, ("run.record=small",), folder)
     with Recording(folder / "run.lcmlog") as log:
-        before, after = (_commands(log, channel) for channel in ("control.twist", "guard.twist"))
+        before, after = (_commands(log, channel) for channel in (_read_by_guard(graph), "guard.twist"))
     return len(before.items() ^ after.items()), len(before)
+
+
+def _read_by_guard(graph: str) -> str:
+    """Return the channel of the commands that the guard lets through."""
+    return "policy.twist" if graph.startswith("learned/") else "control.twist"
 
 
 def _commands(log: Recording, channel: str) -> dict[int, tuple[float, float]]:
