@@ -22,7 +22,10 @@ _GROUPS = {
         *("run", "ablate", "load", "check", "draw", "open_log"),
         *("Run", "Study", "Log", "Graph", "Drawing", "Recording"),
     ),
-    "Learn to drive": ("make_env", "make_vec_env", "numeric_fields", "message_from"),
+    "Learn to drive": (
+        *("make_env", "make_vec_env", "numeric_fields", "message_from", "numeric_layout", "NumericField"),
+        "messages_by_name",
+    ),
     "Write a stage": (
         *("Stage", "Source", "Message", "param", "Latest", "Since", "Stamped", "Stamp", "Age", "Finished", "Role"),
         *("Metric", "MEASURED", "UNDEFINED"),
