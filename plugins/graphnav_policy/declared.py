@@ -1,4 +1,4 @@
-"""What a graph says of a network: which fields of which ports are its inputs and outputs."""
+"""Inputs and outputs of a network as a graph declares them: fields of the messages on ports."""
 
 from __future__ import annotations
 

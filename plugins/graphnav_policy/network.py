@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -130,5 +131,4 @@ def _read(path: Path, max_bytes: int) -> tuple[bytes, OnnxHeader]:
 
 def _line(error: Exception) -> str:
     """Return what onnxruntime says in one line of at most 300 characters."""
-    text = " ".join(str(error).split())
-    return text if len(text) <= 300 else f"{text[:297]}..."
+    return textwrap.shorten(str(error), 300, placeholder="...")

@@ -1,4 +1,4 @@
-"""What an ONNX file says of itself, read without running anything: versions, and whether its weights lie elsewhere.
+"""Read the header of an ONNX file, without running anything: versions, and whether weights are in other files.
 
 ONNX is a message of protobuf [https://onnx.ai/onnx/repo-docs/IR.html]; only the fields that are asked for are read.
 """

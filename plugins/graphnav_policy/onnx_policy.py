@@ -28,7 +28,7 @@ class Onnx(Stage):
     nothing (uint8 to float32). Units and frames are those of the messages: what the network wants else, it computes.
 
     It fires when all ports hold messages of one stamp, except those in `latest`, which are sampled, and are zeros
-    before their first message. After a gap of the stream, history and state begin anew.
+    before their first message. After a gap of the stream, history and state restart.
 
     The file is read as data: no other file, no library of operators. It runs by onnxruntime (extra `onnx`) on one
     thread of the processor. The same inputs give the same bytes on one kind of processor; another one may round

@@ -156,7 +156,8 @@ SET = 'write set={"plane": "plane.affine", "robot.noise_sigma_gray": 3}'
         (
             {"set": {"sensor.name": {1}}},
             (
-                "set['sensor.name'] must be a string, number, bool, None, path, or a list or mapping of these, not {1} (set)\n"
+                "set['sensor.name'] must be a string, number, bool, None, path, or a list or mapping of these, "
+                "not {1} (set)\n"
                 "  write its name or value"
             ),
         ),

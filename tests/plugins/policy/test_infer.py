@@ -1,4 +1,4 @@
-"""What a network gets of messages, and the messages that are made of what it gives."""
+"""Messages to the inputs of a network, and messages from its outputs."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_state_begins_with_zeros_at_each_reset_and_after_a_gap(make_policy: Make
     assert counts(range(2)) == [0, 1]
 
 
-def test_history_begins_anew_after_a_gap(make_policy: MakePolicy) -> None:
+def test_history_restarts_after_a_gap(make_policy: MakePolicy) -> None:
     stage = make_policy(means(2), inputs={"x": "image.pixels"}, outputs=TWIST, history={"x": 2})
     for tick in range(4):
         stage.step(image=picture(8), stamp=at(tick))
