@@ -172,7 +172,7 @@ class Catalog:
             _check_declaration(made, origin)
             return made
 
-        made = self.called(origin, f"with_ports() of {use}", make)
+        made: type[Stage] = self.called(origin, f"with_ports() of {use}", make)
         if refused:
             raise refused[0]
         return made

@@ -29,7 +29,7 @@ SHARPNESS = 2.0
 BATCH = 128
 
 
-class Policy(nn.Module):
+class Policy(nn.Module):  # type: ignore[misc]
     """From pictures at half of the camera's size to the log-likelihood of each direction."""
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ def directions() -> Tensor:
     return torch.linspace(-WIDEST_RAD, WIDEST_RAD, N_DIRECTIONS)
 
 
-class Driver(nn.Module):
+class Driver(nn.Module):  # type: ignore[misc]
     """What is exported: everything from the camera's pictures to the command."""
 
     def __init__(self, policy: Policy) -> None:
@@ -159,7 +159,7 @@ def learn(policy: Policy, lessons: Lessons, epochs: float, rate: float, seed: in
             yield step + 1, float(np.mean(losses[-100:]))
 
 
-@torch.no_grad()
+@torch.no_grad()  # type: ignore[untyped-decorator]
 def judged(policy: Policy, lessons: Lessons) -> tuple[float, float]:
     """Return the mean cross-entropy and the median error of the likeliest direction, rad, on other drives."""
     policy.eval()

@@ -51,7 +51,7 @@ def linear(n: int, weights: npt.ArrayLike, bias: npt.ArrayLike, **shapes: Shape)
 def recurrent() -> ModelProto:
     """Return a network that counts: ``y`` = (h, x) and ``h_out`` = h + 1."""
     nodes = [("Add", "h one", "h_out"), ("Concat", "h x", "y")]
-    nodes[1] = helper.make_node("Concat", ["h", "x"], ["y"], axis=1)  # type: ignore[call-overload]
+    nodes[1] = helper.make_node("Concat", ["h", "x"], ["y"], axis=1)
     return network(nodes, {"x": (1, 1), "h": (1, 1)}, {"y": (1, 2), "h_out": (1, 1)}, {"one": [[1.0]]})
 
 

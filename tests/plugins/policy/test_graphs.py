@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from onnx import ModelProto
+from onnx import ModelProto, helper
 
 import graphnav
 from graphnav.core.catalog import Catalog
@@ -15,7 +15,7 @@ from graphnav.core.graph import load_graph
 from graphnav.core.render import AnnouncedGraph
 from graphnav.core.runner import about_of
 
-from .networks import helper, linear, means, network, recurrent
+from .networks import linear, means, network, recurrent
 
 GRAPH = """\
 run: {{until_s: 1, seed: 3}}

@@ -1,11 +1,11 @@
 """Let graphnav see another system than Linux, in every process that has this folder in its ``PYTHONPATH``.
 
 ``GRAPHNAV_TEST_SYSTEM`` names the file that says which one: its ``sys.platform``, ``os.name``, and the modules and
-names that it lacks. Only graphnav's own imports are answered so: the standard library and other packages cannot be loaded as
-those of another system. Files below ``/proc`` cannot be opened by any code, and with the file's ``keeps_open`` no open
-file be removed or renamed, as on Windows. What Windows has instead of what it lacks stands in for it by that of Linux.
-
-Not simulated: paths with backslashes and drives, text in code pages of the console, Windows' own libraries and calls.
+names that it lacks. Only graphnav's own imports are answered so: the standard library and other packages cannot be
+loaded as those of another system. Files below ``/proc`` cannot be opened by any code, and with the file's
+``keeps_open`` no open file be removed or renamed, as on Windows. What Windows has instead of what it lacks stands in
+for it by that of Linux. Not simulated: paths with backslashes and drives, text in code pages of the console, Windows'
+own libraries and calls.
 """
 
 from __future__ import annotations
