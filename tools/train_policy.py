@@ -42,7 +42,7 @@ class Round:
     epochs: float
     rate: float
     afresh: bool
-    """Whether the network begins anew, in place of where the round before ended."""
+    """Whether the network begins with random weights, in place of where the round before ended."""
 
 
 ROUNDS = (
@@ -69,7 +69,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return 0
 
 
-def train(folder: Path, output: Path, jobs: int, most: int | None, until_s: float) -> None:
+def train(folder: Path, output: Path, jobs: int, max_drives: int | None, until_s: float) -> None:
     """Make all rounds; print how each went and how long it took."""
     if find_spec("torch") is None:
         raise UserError.of("tools/train_policy.py needs torch", INSTALL)
@@ -79,7 +79,7 @@ def train(folder: Path, output: Path, jobs: int, most: int | None, until_s: floa
     for number, one in enumerate(ROUNDS):
         begin_s = time.monotonic()
         here = folder / f"round_{number}"
-        ended = Counter(outcome for _, outcome in made(drives_of(one, network, most, until_s), here, jobs))
+        ended = Counter(outcome for _, outcome in made(drives_of(one, network, max_drives, until_s), here, jobs))
         drove_s = time.monotonic() - begin_s
         print(f"round {number}: {dict(ended)}, {drove_s:.0f} s", flush=True)
         before = None if one.afresh else folder / f"round_{number - 1}.pt"
@@ -91,13 +91,13 @@ def train(folder: Path, output: Path, jobs: int, most: int | None, until_s: floa
     output.write_bytes(network.read_bytes())
 
 
-def drives_of(one: Round, policy: Path | None, most: int | None, until_s: float) -> list[Drive]:
+def drives_of(one: Round, policy: Path | None, max_drives: int | None, until_s: float) -> list[Drive]:
     """Return the drives of a round."""
     planned = []
     for world in WORLDS:
         first, count = (one.first_barn, one.barn) if world == "barn" else (one.first, one.drives)
         count = count // 2 if world in HALF else count
-        for number in range(first, first + min(count, count if most is None else most)):
+        for number in range(first, first + min(count, count if max_drives is None else max_drives)):
             seed = seed_of(world, number)
             planned.append(Drive(world, seed, policy, one.policy_ratio, one.chance_ratio, until_s))
     return planned

@@ -46,7 +46,7 @@ LINUX = (
     ("ps", "'graphnav ps' works"),
     ("lcm-spy", "'graphnav lcm-spy' works"),
 )
-"""Commands that other systems refuse, and what is said to work on Linux only."""
+"""Commands that other systems refuse, and what works on Linux only, as they report it."""
 FILES = ("out/run.lcmlog", "out/summary.json", "study/report.html", "study/plan.json")
 
 

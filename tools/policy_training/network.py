@@ -64,7 +64,7 @@ def directions() -> Tensor:
 
 
 class Driver(nn.Module):  # type: ignore[misc]
-    """What is exported: everything from the camera's pictures to the command."""
+    """The exported network: everything from the camera's pictures to the command."""
 
     def __init__(self, policy: Policy) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""What differs between systems: locks, descriptors, and what works on Linux only."""
+"""Differences between systems: locks, descriptors, and what works on Linux only."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def is_linux() -> bool:
 
 
 def system_name() -> str:
-    """Return the name of this system, as people write it."""
+    """Return the name of this system, such as macOS."""
     return _NAMES.get(sys.platform, sys.platform)
 
 
