@@ -51,7 +51,7 @@ class OverrideReader:
         """Return the overrides of targets and their values."""
         found = []
         for text, value in settings.items():
-            if isinstance(value.data, dict):
+            if isinstance(value.data, dict) and "." not in text:
                 what = f"the value of '{text}' is a mapping"
                 self.problems.append(Problem(value.place, what, "write stage.parameter: value"))
             elif (target := self.target(text, value.place)) is not None:
