@@ -78,7 +78,12 @@ class Network:
         options.log_severity_level = 4
         options.add_session_config_entry("session.load_model_format", "ONNX")
         try:
-            self._session = runtime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
+            self._session = runtime.InferenceSession(
+                data,
+                options,
+                providers=["CPUExecutionProvider"],
+                enable_fallback=0,  # else it prints what it retries
+            )
         except Exception as error:
             what = (
                 f"onnxruntime {runtime.__version__} cannot load {path} "
