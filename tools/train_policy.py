@@ -42,7 +42,7 @@ class Round:
     epochs: float
     rate: float
     afresh: bool
-    """Whether the network begins with random weights, in place of where the round before ended."""
+    """Whether the network starts afresh, not where the round before ended."""
 
 
 ROUNDS = (

@@ -46,7 +46,7 @@ LINUX = (
     ("ps", "'graphnav ps' works"),
     ("lcm-spy", "'graphnav lcm-spy' works"),
 )
-"""Commands that other systems refuse, and what works on Linux only, as they report it."""
+"""Commands that other systems refuse, and the subject of the refusal."""
 FILES = ("out/run.lcmlog", "out/summary.json", "study/report.html", "study/plan.json")
 
 

@@ -1,4 +1,4 @@
-"""Drives that teach: the planner on the true map says at every frame what it would do, also where another stage drives.
+"""Drives that teach: the planner on the true map says at every frame what it would do, also where another one drives.
 
 A drive becomes one file of arrays: its pictures at half of their size, the beacon, and the planner's direction.
 """

@@ -15,8 +15,8 @@ _NONE_YET = Latest[Twist]()
 class Mix(Stage):
     """Commands of the teacher, of the policy, or at random, for a drawn while each.
 
-    Near an obstacle the teacher drives for a while in every case, so that a drive goes on and shows how one gets
-    away from it. The longer a drive lasts, the more places it shows that the teacher alone would not come to [DAgger].
+    Near an obstacle the teacher drives for a while, so that a drive goes on and shows how one gets away from it. The
+    longer a drive lasts, the more places it shows that the teacher alone would not come to [DAgger].
 
     References
     ----------

@@ -29,7 +29,7 @@ SHARPNESS = 2.0
 BATCH = 128
 
 
-class Policy(nn.Module):  # type: ignore[misc]
+class Policy(nn.Module):  # type: ignore[misc]  # torch is no package of graphnav
     """From pictures at half of the camera's size to the log-likelihood of each direction."""
 
     def __init__(self) -> None:
@@ -64,7 +64,7 @@ def directions() -> Tensor:
 
 
 class Driver(nn.Module):  # type: ignore[misc]
-    """The exported network: everything from the camera's pictures to the command."""
+    """The network as it is exported: everything from the camera's pictures to the command."""
 
     def __init__(self, policy: Policy) -> None:
         super().__init__()

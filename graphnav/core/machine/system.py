@@ -1,4 +1,4 @@
-"""Differences between systems: locks, descriptors, and what works on Linux only."""
+"""Differences between systems: locks, descriptors, and the features of Linux alone."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def is_linux() -> bool:
 
 
 def system_name() -> str:
-    """Return the name of this system, such as macOS."""
+    """Return the name of this system for a message."""
     return _NAMES.get(sys.platform, sys.platform)
 
 

@@ -119,7 +119,7 @@ def test_a_network_gives_arrays_and_constants_the_other_fields(make_policy: Make
     )
     plane = stage.step(image=picture(1), stamp=at(0)).plane
     assert isinstance(plane, Plane)
-    assert (plane.obstacle.shape, plane.score.dtype.name, plane.valid.min(), plane.obstacle_ratio) == (
+    assert (plane.obstacle.shape, str(plane.score.dtype), plane.valid.min(), plane.obstacle_ratio) == (
         (6, 8),
         "float32",
         1,

@@ -4,8 +4,9 @@
 names that it lacks. Only graphnav's own imports are answered so: the standard library and other packages cannot be
 loaded as those of another system. Files below ``/proc`` cannot be opened by any code, and with the file's
 ``keeps_open`` no open file be removed or renamed, as on Windows. What Windows has instead of what it lacks stands in
-for it by that of Linux. Not simulated: paths with backslashes and drives, text in code pages of the console, Windows'
-own libraries and calls.
+for it by that of Linux.
+
+Not simulated: paths with backslashes and drives, text in code pages of the console, Windows' own libraries and calls.
 """
 
 from __future__ import annotations
