@@ -29,7 +29,7 @@ SHARPNESS = 2.0
 BATCH = 128
 
 
-class Policy(nn.Module):  # type: ignore[misc]  # torch is no package of graphnav
+class Policy(nn.Module):  # type: ignore[misc]
     """From pictures at half of the camera's size to the log-likelihood of each direction."""
 
     def __init__(self) -> None:
