@@ -16,13 +16,12 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import skimage.data
 from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
 from testbed.flows import flow_from
 
-from graphnav import Image, Stage, Stamp
+from graphnav import Image, Stage, Stamp, import_extra
 from graphnav.arrays import Bytes, Doubles, Floats
 
 ROWS, COLS = 120, 160
@@ -92,9 +91,9 @@ def errors(stage: Stage, pairs: Sequence[Pair]) -> tuple[float, float, float]:
 
 def photographs() -> list[Floats]:
     """Return parts of scikit-image's photographs of brick, gravel and grass, in the size of the other pictures."""
-    shown = []
+    shown, data = [], import_extra("skimage.data", "photos", "tools/flow_textures.py", "scikit-image")
     for name in ("brick", "gravel", "grass"):
-        photograph = np.asarray(getattr(skimage.data, name)(), np.float32)
+        photograph = np.asarray(getattr(data, name)(), np.float32)
         shown += [photograph[y : y + ROWS, x : x + COLS] for y in (0, 180, 360) for x in (0, 170, 340)]
     return shown
 
