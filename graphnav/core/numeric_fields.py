@@ -74,12 +74,6 @@ def message_from(message_class: type[M], arrays: Mapping[str, npt.ArrayLike], **
     return message_class(**values)
 
 
-def numeric_names(message_class: type[Message]) -> tuple[str, ...]:
-    """Return the names of the fields of a message class that `numeric_fields` gives."""
-    cached: type = message_class
-    return tuple(_kinds(cached))
-
-
 class NumericField(NamedTuple):
     """Elements and shape of the array that `numeric_fields` gives for a field."""
 

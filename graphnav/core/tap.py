@@ -211,7 +211,7 @@ def open_tap(
     tell: Callable[[str], None],
     notice: Callable[[str], None] | None = None,
 ) -> Tap | None:
-    """Return the tap of a run, or None if it is off, there is no multicast, or this is not Linux.
+    """Return the tap of a run, or None if it is off, multicast is lacking, or this is not Linux.
 
     ``tell`` gets the reason if there is none; ``notice``, by default the same, gets notices of other runs on its group.
     """

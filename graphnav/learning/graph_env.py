@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -70,13 +69,13 @@ class GraphEnv(gymnasium.Env[Any, Any]):
         plugin = self._agent_file() if options.record is not None else None
         wanted = self._reward.stages
         self._graph = graph_with_agent(graph, options.interface, wanted, skips=options.skips, plugin=plugin)
-        seen = _first_messages(graph, options.interface)
+        seen, rate_hz = _first_messages(graph, options.interface)
         self._observations = Observations(options.interface, seen)
         acts = options.interface.acts
         bounds = _bounds(graph, acts, seen)
         self._actions = Actions(acts, seen.get(acts.ref), bounds, normalized=options.normalized)
         self.observation_space, self.action_space = self._observations.space, self._actions.space
-        self.metadata = {**GraphEnv.metadata, "render_fps": max(1, round(_rate_hz(seen)))}
+        self.metadata = {**GraphEnv.metadata, "render_fps": max(1, round(rate_hz))}
         self._episode: Episode | None = None
         self._n_episodes = 0
         self._observation: Any = None
@@ -158,13 +157,13 @@ class GraphEnv(gymnasium.Env[Any, Any]):
         Raises
         ------
         UserError
-            There is no episode, or its world has no map.
+            No episode has begun, or its world has no map.
         """
         if self.render_mode is None:
             return None
         world = self._newest(self._map)
         if self._episode is None or world is None:
-            raise UserError.of("render: there is no map of an episode", "call reset first")
+            raise UserError.of("render: no episode with a map has begun", "call reset first")
         messages = {Map: world, State: self._newest(self._state)}
         context = PictureContext(
             rows=_VIEW_PX,
@@ -269,12 +268,8 @@ def _points(path: list[tuple[float, float]]) -> Doubles:
     return np.array(path, np.float64).reshape(-1, 2)
 
 
-def _rate_hz(seen: Mapping[str, Any]) -> float:
-    return float(seen["rate_hz"])
-
-
-def _first_messages(graph: Graph, interface: Interface) -> dict[str, Any]:
-    """Return a message of each channel of an agent, and the limits of the base, of the graph as it is."""
+def _first_messages(graph: Graph, interface: Interface) -> tuple[dict[str, Any], float]:
+    """Return, of the graph as it is, a message of each channel of an agent, the limits of the base, ticks a second."""
     limits = channel_of(graph, BaseLimits)
     observed = [one.channel for one in interface.observed]
     needs_sample = any(kind is not float for kind in _kinds(interface.acts.message))
@@ -300,7 +295,7 @@ def _first_messages(graph: Graph, interface: Interface) -> dict[str, Any]:
     if missing:
         what = f"'{missing[0]}' has no message within {len(stamps)} ticks of seed {graph.run.seed}"
         raise UserError.of(what, "observe another channel")
-    return {**found, "rate_hz": 1e6 / period_us if period_us > 0 else math.inf}
+    return found, 1e6 / period_us
 
 
 def _kinds(message: type[Message]) -> list[Any]:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from graphnav import Graph, Latest, Twist, UserError, did_you_mean
+from graphnav import Graph, Latest, Twist, UserError, did_you_mean, numeric_layout
 from graphnav.core.graph import Channel, Node
 from graphnav.core.messages import ZERO_MEANS
-from graphnav.core.numeric_fields import numeric_names
 from graphnav.core.stage import Port
 
 OF_THE_GRID = (*ZERO_MEANS, "interval_us")
@@ -53,7 +52,7 @@ class Interface:
 
 def numeric_of(channel: Channel) -> tuple[str, ...]:
     """Return the fields of a channel's messages that observations and actions have."""
-    return tuple(name for name in numeric_names(channel.message) if name not in OF_THE_GRID)
+    return tuple(name for name in numeric_layout(channel.message) if name not in OF_THE_GRID)
 
 
 def interface_of(graph: Graph, observe: Sequence[str] | None, act: str | None, *, truth: bool) -> Interface:

@@ -134,7 +134,7 @@ class Actions:
             It is not of the space's form, or not finite. Values beyond the bounds are the world's to limit.
         """
         if self._is_flat:
-            array = _checked("the action", action, (len(self._arrays),))
+            array = checked_array("the action", action, (len(self._arrays),))
             parts: dict[str, Array] = {name: array[place : place + 1] for place, name in enumerate(self._arrays)}
         else:
             if not isinstance(action, Mapping) or set(action) != set(self._arrays):
@@ -143,7 +143,8 @@ class Actions:
                 )
                 raise UserError.of(f"the action has {said}", f"give arrays named {', '.join(self._arrays)}")
             parts = {
-                name: _checked(f"'{name}' of the action", action[name], a.shape) for name, a in self._arrays.items()
+                name: checked_array(f"'{name}' of the action", action[name], a.shape)
+                for name, a in self._arrays.items()
             }
         for name, (low, half) in self._scales.items():
             parts[name] = low + (parts[name] + 1.0) * half
@@ -162,8 +163,8 @@ def _action_box(name: str, array: Array, bounds: tuple[float, float] | None) -> 
     return spaces.Box(low, high, array.shape, np.float32)
 
 
-def _checked(who: str, given: Any, shape: tuple[int, ...]) -> Array:
-    """Return an array of numbers of a shape; raise UserError for anything else."""
+def checked_array(who: str, given: Any, shape: tuple[int, ...]) -> Array:
+    """Return an array of finite numbers of a shape; raise UserError, of ``who``, for anything else."""
     hint = f"give an array of {shape} numbers"
     try:
         array = np.asarray(given)

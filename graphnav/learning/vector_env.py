@@ -24,6 +24,7 @@ from graphnav.core.errors import one_line
 from graphnav.core.machine import ONE_THREAD, environment_alike
 from graphnav.learning import worker
 from graphnav.learning.make_env import EnvRequest, graph_text
+from graphnav.learning.spaces import checked_array
 from graphnav.learning.worker import ACTED, ALONE, OBSERVED, REWARD, TERMINATED, TRUNCATED, Job, Layout
 
 _PATIENCE_S = 5.0
@@ -147,19 +148,10 @@ class GraphVectorEnv(VectorEnv[Any, Any, Any]):
                 is_named = isinstance(actions, Mapping) and name in actions
                 if name != ALONE and not is_named:
                     raise UserError.of(f"the actions have no array '{name}'", "give those of the action space")
-                try:
-                    given = np.asarray(actions if name == ALONE else actions[name])
-                except (ValueError, TypeError) as error:
-                    raise UserError.of(f"the actions are no array: {error}", f"give {array.shape} numbers") from error
-                if given.dtype.kind not in "biuf":
-                    raise UserError.of(f"the actions are of {given.dtype}", f"give an array of {array.shape} numbers")
-                if given.shape != array.shape:
-                    raise UserError.of(f"the actions have the shape {given.shape}", f"give {array.shape} numbers")
-                if given.dtype.kind == "f" and not np.isfinite(given).all():
-                    raise UserError.of(
-                        "the actions hold a NaN or an infinity", "clip what the policy gives to the action space"
-                    )
-                array[...] = given
+                who, given = (
+                    ("the array of actions", actions) if name == ALONE else (f"'{name}' of the actions", actions[name])
+                )
+                array[...] = checked_array(who, given, array.shape)
 
 
 class _Worker:

@@ -23,9 +23,9 @@ from graphnav.learning.reward import Transition
 OPTIONS: dict[str, Any] = {"act": "guard", "time_limit_s": 0.5}
 N, SEEDS = 2, [3, 4]
 REFUSED = [
-    (np.full((N, 2), np.nan), "the actions hold a NaN or an infinity"),
-    (np.zeros(2), "the actions have the shape"),
-    (["a"] * N, "the actions are of"),
+    (np.full((N, 2), np.nan), "the array of actions holds a NaN or an infinity"),
+    (np.zeros(2), "the array of actions has the shape"),
+    (["a"] * N, "the array of actions is of"),
 ]
 SCRIPT = """
 import graphnav
