@@ -12,7 +12,7 @@ from .recording.full_log import LOOK_BYTES, is_nearly_full
 from .recording.kept_messages import complete_channels
 from .recording.log_forecast import size_text
 from .recording.progress_file import ProgressFile
-from .recording.provenance import CODE, Difference, difference, difference_here, provenance
+from .recording.provenance import CODE, Difference, difference, difference_here, files_of_graphs, provenance
 from .recording.recorded_run import Failures, Measured, RecordedRun
 from .recording.run_recorded import LiveSink, about_of, new_run_id, run_recorded
 from .recording.running_file import RunningFile, RunningRun
@@ -72,6 +72,7 @@ __all__ = [
     "decoded",
     "difference",
     "difference_here",
+    "files_of_graphs",
     "edge_statuses",
     "giving_way",
     "is_nearly_full",

@@ -66,7 +66,7 @@ class StudyRequest:
         plan = replace(checked.plan, until_clear=self.until_clear)
         if self.until_clear:
             check_stopping(plan)
-        return replace(checked, plan=with_versions(plan))
+        return with_versions(replace(checked, plan=plan))
 
     @property
     def command(self) -> str:

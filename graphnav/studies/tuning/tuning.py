@@ -177,8 +177,7 @@ class Tuning:
     def _checked(self, choices: Any) -> CheckedStudy:
         [axis] = self.study.axes
         study = replace(self.study, axes=(Axis(axis.name, tuple(choices), axis.place),))
-        checked = check_study(study, self.catalog, self.command, self.request.plugins)
-        return replace(checked, plan=with_versions(checked.plan))
+        return with_versions(check_study(study, self.catalog, self.command, self.request.plugins))
 
     def _choice(self, trial: Trial) -> Choice:
         rival = next(rival for rival in self.rivals if rival.label == trial.rival)
@@ -216,8 +215,7 @@ def check_tuning(request: TuningRequest, catalog: Catalog, command: str) -> Tuni
     if missing := optuna_missing("graphnav tune"):
         raise missing
     study = request.study()
-    checked = check_study(study, catalog, command, request.plugins)
-    checked = replace(checked, plan=with_versions(checked.plan))
+    checked = with_versions(check_study(study, catalog, command, request.plugins))
     rivals = rivals_of(study, checked, request.searches)
     if not any(rival.space for rival in rivals):
         hint = "name ranges: --search plane.threshold_px=0.05:2"

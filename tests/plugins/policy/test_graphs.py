@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -168,6 +169,20 @@ def test_a_study_compares_networks(here: Path) -> None:
     study = graphnav.ablate(graph, vary={"policy.file": files}, seeds=[1000], jobs=1, folder="study", gallery=0)
     assert len(study.runs) == 2
     assert study.runs["drive.mean_clearance_m"].nunique() == 2
+    file = here / "fast.onnx"
+    file.write_bytes(slow.SerializeToString())
+    with pytest.raises(graphnav.UserError, match=f"were made with another file {file}: [0-9a-f]+, now [0-9a-f]+"):
+        graphnav.ablate(graph, vary={"policy.file": files}, seeds=[1000], jobs=1, folder="study", gallery=0)
+
+
+def test_a_run_tells_which_network_drove(here: Path) -> None:
+    graph = written(
+        linear(1, [[0, 0]], [0, 0]), f"inputs: {{x: motion.left_m}}\n      {ACTION}", "{motion: robot.motion}"
+    )
+    graphnav.run(graph, folder="run", pictures=False, plugins=[TOYS])
+    digest = hashlib.sha256(hashlib.sha256((here / "network.onnx").read_bytes()).digest()).hexdigest()
+    versions = json.loads((here / "run" / "summary.json").read_text())["versions"]
+    assert versions[f"file {here / 'network.onnx'}"] == digest[:12]
 
 
 def test_viewers_see_the_ports_of_a_running_network(here: Path) -> None:

@@ -10,12 +10,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from graphnav.core.catalog import GROUP, family_of
+from graphnav.core.graph import Graph
 from graphnav.core.machine.instruction_set import PORTABLE
 from graphnav.core.machine.pins import OPT_OUT
 from graphnav.core.runner.recording.summary import Summary
 
 CODE = "code of "
+FILE = "file "
 _HASH_LETTERS = 12
+_MAX_HASHED_BYTES = 64 * 1024**2
+"""Of a file; of a longer one, such as a video, the beginning and the length are hashed."""
 
 
 class Difference(NamedTuple):
@@ -45,6 +49,18 @@ def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str
     """
     code = {f"{CODE}{family}": _hash(files) for family in sorted(families) if (files := _files_of(family))}
     return {**Summary.versions_here(), **code, **{plugin: _hash([Path(plugin)]) for plugin in plugins}}
+
+
+def files_of_graphs(graphs: Iterable[Graph]) -> dict[str, str]:
+    """Return hashes of the files that parameters of the stages name: networks, models, maps; by name."""
+    named = {
+        f"{FILE}{setting.anywhere}": setting.value
+        for graph in graphs
+        for node in graph.nodes
+        for setting in node.settings.values()
+        if isinstance(setting.value, Path) and setting.value.is_file()
+    }
+    return {name: _hash([path]) for name, path in sorted(named.items())}
 
 
 def difference_here(wanted: Mapping[str, str], plugins: Iterable[str]) -> Difference | None:
@@ -77,7 +93,10 @@ def _hash(files: Iterable[Path]) -> str:
     found = hashlib.sha256()
     for file in files:
         try:
-            found.update(hashlib.sha256(file.read_bytes()).digest())
+            with file.open("rb") as opened:
+                found.update(hashlib.sha256(opened.read(_MAX_HASHED_BYTES)).digest())
+                if opened.read(1):
+                    found.update(str(file.stat().st_size).encode())
         except OSError as error:
             return str(error.strerror)
     return found.hexdigest()[:_HASH_LETTERS]

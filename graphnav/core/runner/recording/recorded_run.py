@@ -16,6 +16,7 @@ from graphnav.core.runner.engine import Engine, Outcome, Sink
 from graphnav.core.runner.recording.changes import Changes
 from graphnav.core.runner.recording.kept_messages import kept, open_log
 from graphnav.core.runner.recording.progress_file import ProgressFile
+from graphnav.core.runner.recording.provenance import files_of_graphs
 from graphnav.core.runner.recording.saved_graph import save_graph
 from graphnav.core.runner.recording.stall import StallLimit, StallWatch, stall_error
 from graphnav.core.runner.recording.summary import Summary, steps_of
@@ -155,7 +156,7 @@ class RecordedRun:
             notices=[*self._graph.notices, *measured.notices],
             tap_dropped=measured.tap_dropped,
             run_id=self._run_id,
-            versions=Summary.versions_here(),
+            versions=Summary.versions_here() | files_of_graphs([self._graph]),
             behind_s=measured.behind_s,
             cause=self.failures.cause,
             changes=[] if self._changes is None else list(self._changes.made),

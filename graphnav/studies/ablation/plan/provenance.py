@@ -10,16 +10,19 @@ from typing import Any
 
 from graphnav import UserError
 from graphnav.core.machine import expected_instruction_set
-from graphnav.core.runner import CODE, Summary, difference, provenance
+from graphnav.core.runner import CODE, Summary, difference, files_of_graphs, provenance
 from graphnav.core.spec import parse_yaml
+from graphnav.studies.ablation.plan.build_plan import CheckedStudy
 from graphnav.studies.ablation.plan.plan import Case, Plan
 
 
-def with_versions(plan: Plan) -> Plan:
-    """Return the plan with all that its runs depend on: versions, and the code of its stages."""
+def with_versions(checked: CheckedStudy) -> CheckedStudy:
+    """Return the study with all that its runs depend on: versions, the code of its stages, and the files they read."""
+    plan = checked.plan
     families = {use.partition(".")[0] for case in plan.cases for use in case.uses.values()}
-    versions = provenance(families, plan.plugins) | {Summary.INSTRUCTION_SET: expected_instruction_set()}
-    return replace(plan, versions=versions)
+    versions = provenance(families, plan.plugins) | files_of_graphs(checked.graphs.values())
+    versions |= {Summary.INSTRUCTION_SET: expected_instruction_set()}
+    return replace(checked, plan=replace(plan, versions=versions))
 
 
 def check_compatible(old: Plan, new: Plan, folder: Path) -> None:
