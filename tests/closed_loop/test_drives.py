@@ -15,9 +15,8 @@ SMALL = "run.record=small"
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("plane", ["ica", "affine", "truth"])
-@pytest.mark.parametrize(("graph", "seed"), [("corridor_ccw", 1000), ("corridor_cw", 1001)])
-def test_the_corridors_are_driven_to_the_goal(drive: Drive, graph: str, plane: str, seed: int) -> None:
+@pytest.mark.parametrize(("graph", "seed", "plane"), [("corridor_ccw", 1000, "ica"), ("corridor_cw", 1001, "affine")])
+def test_the_corridors_are_driven_to_the_goal(drive: Drive, graph: str, seed: int, plane: str) -> None:
     summary, _ = drive(graph, seed, f"plane=plane.{plane}", SMALL)
     assert summary.outcome == "goal", summary.failure
     assert summary.scores["drive"]["success"] == 1.0
@@ -33,9 +32,7 @@ def test_the_block_is_not_touched(drive: Drive) -> None:
     assert drive("approach", 1000, SMALL)[0].outcome in {"timeout", "goal"}
 
 
-@pytest.mark.parametrize(
-    ("graph", "seed"), [("corridor_ccw", 1000), ("corridor_cw", 1001), ("pillars", 1000), ("approach", 1001)]
-)
+@pytest.mark.parametrize(("graph", "seed"), [("corridor_cw", 1001), ("pillars", 1000)])
 def test_driving_straight_ahead_fails(drive: Drive, graph: str, seed: int) -> None:
     assert drive(graph, seed, "steer=steer.forward", SMALL)[0].outcome in {"contact", "timeout"}
 
@@ -47,7 +44,7 @@ def test_a_camera_of_640x480_drives_the_same_way(drive: Drive) -> None:
     ]  # fmt: skip
     ends, sights = [], []
     for sets in ([], large):
-        summary, log = drive("corridor_ccw", 7, "run.until_s=8", SMALL, *sets)
+        summary, log = drive("corridor_ccw", 7, "run.until_s=5", SMALL, *sets)
         assert summary.outcome == "timeout", summary.failure
         state = log.message("robot.state", -1)[2]
         assert isinstance(state, State)

@@ -110,7 +110,7 @@ def test_on_a_base_that_brakes_slowly_it_drives_more_slowly(
     # 1.0 m/s in 1/0.3 s: 0.3 m/s2, where the shipped base has 4.
     asked_mps = []
     for slower in ((), ("robot.speed_up_s=3.3333",), ("robot.speed_up_s=3.3333", "control.in.limits=null")):
-        summary, log = drive("navigate/speed", 3, "run.until_s=8", *slower)
+        summary, log = drive("navigate/speed", 3, "run.until_s=4", *slower)
         assert not summary.failure
         speeds = [m.v_mps for _, _, m in log.messages("control.twist") if isinstance(m, Twist)]
         asked_mps.append(mean(speeds[20:]))

@@ -48,7 +48,7 @@ def doing(log: Recording) -> set[str]:
     return {state.doing for _, _, state in log.messages("recovery.state") if isinstance(state, RecoveryState)}
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_robot_that_is_shut_in_gets_on_and_arrives(drive: Drive, tmp_path: Path) -> None:
     (tmp_path / "ringing.py").write_text(RINGING)
     (tmp_path / "shut_in.yaml").write_text(

@@ -43,7 +43,7 @@ def shown(outputs_of: dict[str, list[Mapping[str, Any]]], line: str) -> Mapping[
     return {kind: "".join(text) for out in outputs_of[line] for kind, text in out.get("data", {}).items()}
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_it_runs_without_a_warning_and_shows_panels_metrics_tables_and_plots(tmp_path: Path) -> None:
     outputs_of = executed(tmp_path)
     kept = {"".join(cell["source"]).splitlines()[-1]: cell["outputs"] for cell in cells(NOTEBOOK)}

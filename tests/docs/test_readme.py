@@ -29,7 +29,7 @@ def test_the_graph_and_the_stage_drive_and_the_commands_run(tmp_path: Path, grou
     [block] = blocks(ROOT / "README.md", "sh")
     first, rest = block.split("\n", 1)
     assert "goal reached" in shell(first, tmp_path, group, forks=False)
-    shell(shortened(rest), tmp_path, group, forks=False)
+    shell(shortened(rest), tmp_path, group)
 
 
 def test_the_page_is_short_and_hides_nothing() -> None:

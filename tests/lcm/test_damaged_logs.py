@@ -144,7 +144,7 @@ def test_info_and_play_take_every_cut(
 ) -> None:
     data = small.read_bytes()
     ends = ends_of(events_of(small))
-    for cut in sorted({*range(40), *(end + k for end in ends for k in (-1, 0, 1, 5)), len(data) - 1}):
+    for cut in sorted({*range(0, 40, 2), *(end + k for end in ends for k in (-1, 0, 1, 5)), len(data) - 1}):
         (tmp_path / "cut").write_bytes(data[: min(cut, len(data))])
         assert main(["info", str(tmp_path / "cut"), "--json"]) == 0
         said = json.loads(capsys.readouterr().out)
@@ -162,7 +162,7 @@ def test_info_and_play_take_flipped_bits(
     small: Path, tmp_path: Path, group: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     data, rng = small.read_bytes(), random.Random(3)
-    for _ in range(60):
+    for _ in range(30):
         flipped = bytearray(data)
         for _ in range(rng.choice((1, 2, 20))):
             flipped[rng.randrange(len(data))] ^= 1 << rng.randrange(8)

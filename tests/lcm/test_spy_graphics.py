@@ -208,7 +208,7 @@ def test_sixels_are_shown_where_they_are_confirmed(start: Start) -> None:
         assert int(height) <= 20 * ROWS
 
 
-@pytest.mark.parametrize("environment", [{"TMUX": "/tmp/socket,1,0"}, {"STY": "1.pts-0"}, {"NO_COLOR": "1"}, {}])
+@pytest.mark.parametrize("environment", [{"TMUX": "/tmp/socket,1,0"}, {"NO_COLOR": "1"}])
 def test_half_blocks_are_the_safe_choice(start: Start, environment: dict[str, str]) -> None:
     is_plain = "NO_COLOR" in environment
     terminal = start(

@@ -45,11 +45,13 @@ def test_a_log_fills_the_table(log: Path) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("look", LOOKS)
-def test_every_channel_opens_in_every_size(log: Path, look: str) -> None:
+def test_channels_open_in_every_size(log: Path, look: str) -> None:
+    opened = [*TYPES, About.CHANNEL] if look == "80x24" else [*list(TYPES)[::5], About.CHANNEL]
+
     async def act(pilot: Pilot[None]) -> None:
         table = pilot.app.screen.query_one(ChannelTable)
         await until(pilot, lambda: table.n_shown == len(TYPES) + 1)
-        for name in [*TYPES, About.CHANNEL]:
+        for name in opened:
             while table.chosen != name:
                 await pilot.press("down" if table.cursor < table.n_shown - 1 else "home")
             await pilot.press("enter", "v", "v", "v", "p", "enter", "down")

@@ -12,7 +12,7 @@ from graphnav.replay.comparison.result import ReplayResult
 
 Again = Callable[..., ReplayResult]
 
-N_CUTS, N_FLIPS = 40, 60
+N_CUTS, N_FLIPS = 24, 36
 TWIN = ("twin+=probe.pass", "twin.in.command=both.twist", "twin.in.image=camera.image", "twin.every_ms=10")
 
 

@@ -27,7 +27,7 @@ OTHER_PARTS = "deploy: {one: {stages: [slow, first, even]}, other: {stages: [bot
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("name", "until_s"), [("corridor_ccw", 1.5), ("pillars", 1.0), ("navigate", 1.5)])
+@pytest.mark.parametrize(("name", "until_s"), [("corridor_ccw", 0.8), ("navigate", 0.8)])
 def test_shipped_graphs_with_a_process_for_each_stage(runs: Runs, name: str, until_s: float) -> None:
     graph = load_graph(name, Catalog())
     graph = replace(graph, run=replace(graph.run, until_s=until_s))

@@ -41,7 +41,7 @@ def test_a_log_cut_at_any_byte_has_no_differences(damaged: tuple[bytes, Path], m
     complete = made(path)
     begin = data.index(bytes.fromhex("eda1da01"), 4)
     n_compared = []
-    for size in range(begin, len(data)):
+    for size in range(begin, len(data), 3):
         path.write_bytes(data[:size])
         try:
             with Recording(path) as recording:
@@ -60,7 +60,7 @@ def test_flipped_bits_never_crash(damaged: tuple[bytes, Path], again: Again) -> 
     data, path = damaged
     drawn = random.Random(7)
     told = 0
-    for _ in range(120):
+    for _ in range(60):
         place, bit = drawn.randrange(len(data)), drawn.randrange(8)
         path.write_bytes(data[:place] + bytes([data[place] ^ 1 << bit]) + data[place + 1 :])
         try:
@@ -69,7 +69,7 @@ def test_flipped_bits_never_crash(damaged: tuple[bytes, Path], again: Again) -> 
             told += 1
             continue
         told += bool(result.lost) or not result.is_equal
-    assert told > 40
+    assert told > 20
 
 
 def test_the_command_ends_without_a_traceback(damaged: tuple[bytes, Path], capsys: pytest.CaptureFixture[str]) -> None:

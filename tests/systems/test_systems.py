@@ -56,7 +56,7 @@ def lacking(platform: str) -> tuple[list[str], dict[str, list[str]]]:
     return modules, names
 
 
-@pytest.fixture(params=OS_NAMES)
+@pytest.fixture(params=["win32", pytest.param("darwin", marks=pytest.mark.slow)])
 def system(request: pytest.FixtureRequest, tmp_path: Path) -> dict[str, str]:
     """Return the environment of processes whose graphnav sees macOS or Windows."""
     modules, names = lacking(request.param)

@@ -203,7 +203,7 @@ def test_cut_anywhere_a_log_gives_what_is_complete(log_file: Path, tmp_path: Pat
     with Recording(log_file) as recording:
         n_events = recording.n_events
     counts = []
-    for size in (*range(0, len(data), 31), len(data)):
+    for size in (*range(0, len(data), 67), len(data)):
         cut = tmp_path / "cut.lcmlog"
         cut.write_bytes(data[:size])
         with open_log(cut) as log:

@@ -20,9 +20,7 @@ pytestmark = pytest.mark.usefixtures("drawn")
 @pytest.mark.parametrize(
     "optics",
     [
-        {"distortion": (-0.3, 0.09)},
         {"distortion": (0.15, 0.02)},
-        {"camera_roll_deg": 8.0},
         {"distortion": (-0.2, 0.04), "camera_roll_deg": -8.0},
         {"defocus_px": 3.0},
         {"jpeg_quality": 60},

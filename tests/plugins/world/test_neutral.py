@@ -81,9 +81,8 @@ def separation(map_file: Path, *, neutral: bool) -> float:
     return float(roc_auc_score(y[of >= 3], model.decision_function(x[of >= 3])))
 
 
-@pytest.mark.parametrize("name", ["pillars", "corridor_ccw"])
-def test_appearance_separates_nothing(name: str, maps: Path) -> None:
-    ordinary, neutral = (separation(maps / f"{name}.yaml", neutral=one) for one in (False, True))
+def test_appearance_separates_nothing(maps: Path) -> None:
+    ordinary, neutral = (separation(maps / "pillars.yaml", neutral=one) for one in (False, True))
     assert ordinary > 0.75
     assert neutral == pytest.approx(0.5, abs=0.05)
 

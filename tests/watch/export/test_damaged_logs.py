@@ -31,7 +31,7 @@ def test_a_log_cut_anywhere_gives_what_is_before(
     small: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     each = len(small) // N_TWISTS
-    for n_bytes in range(len(small) + 1):
+    for n_bytes in (*range(0, len(small), 3), len(small)):
         (tmp_path / "cut").write_bytes(small[:n_bytes])
         words = ["export", str(tmp_path / "cut"), "--to", "csv", "-o", str(tmp_path / "t.csv"), "--force"]
         status = main([*words, "--channel", "control.twist"])
