@@ -10,10 +10,11 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_score.barn import Barn
     from graphnav_score.components import Components
     from graphnav_score.flow import Flow
+    from graphnav_score.labels import Labels
     from graphnav_score.laps import Laps
     from graphnav_score.navigation import Navigation
     from graphnav_score.plane import Plane
     from graphnav_score.sighting import Sighting
     from graphnav_score.steering import Steering
 
-    return [Agreement, Barn, Components, Flow, Laps, Navigation, Plane, Sighting, Steering]
+    return [Agreement, Barn, Components, Flow, Labels, Laps, Navigation, Plane, Sighting, Steering]

@@ -189,23 +189,23 @@ class Plane(Stage):
         self._count_pending()
         (kept, false, _), (missed, hit, _) = self._confusion.tolist()
         (all_kept, all_false, rim_ground), (all_missed, all_hit, rim_obstacle) = self._all.tolist()
-        ground_recall, recall = _share(kept, kept + false), _share(hit, hit + missed)
+        ground_recall, recall = share(kept, kept + false), share(hit, hit + missed)
         empty_kept, empty_false, _ = self._empty[0].tolist()
         all_obstacle = all_hit + all_missed + rim_obstacle
         values = {
-            "counted_frames_ratio": _share(self._frames, self._moving),
-            "judged_ratio": _share(kept + false + missed + hit, int(self._confusion.sum())),
+            "counted_frames_ratio": share(self._frames, self._moving),
+            "judged_ratio": share(kept + false + missed + hit, int(self._confusion.sum())),
             "auroc": self._roc.area(),
             "recall_at_5_false_alarms_ratio": self._roc.recall(FALSE_ALARM_RATIO),
-            "balanced_accuracy_ratio": _mean(ground_recall, recall),
-            "iou_ratio": _share(hit, hit + missed + false),
-            "false_obstacle_ratio": _share(false + empty_false, kept + false + empty_kept + empty_false),
+            "balanced_accuracy_ratio": mean(ground_recall, recall),
+            "iou_ratio": share(hit, hit + missed + false),
+            "false_obstacle_ratio": share(false + empty_false, kept + false + empty_kept + empty_false),
             "auroc_all": self._auroc_all(rim_obstacle, rim_ground),
-            "balanced_accuracy_all_ratio": _mean(
-                _share(all_kept + rim_ground, all_kept + rim_ground + all_false), _share(all_hit, all_obstacle)
+            "balanced_accuracy_all_ratio": mean(
+                share(all_kept + rim_ground, all_kept + rim_ground + all_false), share(all_hit, all_obstacle)
             ),
-            "unjudged_obstacle_ratio": _share(rim_obstacle, all_obstacle),
-            "flicker_ratio": _share(self._changed, self._changed + self._kept),
+            "unjudged_obstacle_ratio": share(rim_obstacle, all_obstacle),
+            "flicker_ratio": share(self._changed, self._changed + self._kept),
         }
         return {"frames": float(self._frames)} | {name: value for name, value in values.items() if value is not None}
 
@@ -240,9 +240,11 @@ class Plane(Stage):
         self._pending.clear()
 
 
-def _share(part: int, total: int) -> float | None:
+def share(part: float, total: float) -> float | None:
+    """Return the share of a part, None of nothing."""
     return part / total if total else None
 
 
-def _mean(one: float | None, other: float | None) -> float | None:
+def mean(one: float | None, other: float | None) -> float | None:
+    """Return the mean of two, None unless both are known."""
     return None if one is None or other is None else (one + other) / 2

@@ -17,6 +17,7 @@ LOWER |= {"hit_mover", "hit_by_mover", "at_fault", "drove_into", "own_share", "a
 LOWER |= {"flicker_ratio", "epe_px", "outlier_ratio", "angle_error_rad", "never_sighted_ratio", "mean_sighting_delay_m"}
 LOWER |= {"mean_time_to_react_s", "unjudged_obstacle_ratio"}
 NEITHER = {"frames", "counted_frames_ratio", "median_variance_ratio", "alpha_taken_ratio", "obstacles", "reacted_ratio"}
+NEITHER |= {"row_auroc", "unmet_labels"}
 
 
 def test_lower_is_better_where_it_is() -> None:
