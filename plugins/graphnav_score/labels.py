@@ -52,12 +52,14 @@ class Labels(Stage):
             better="higher",
             bounds=(0.0, 1.0),
             min_difference=0.01,
+            is_key=True,
             help="Area under the curve of the score, obstacle against ground, of the judged pixels.",
         ),
         Metric(
             "row_auroc",
             better="neither",
             bounds=(0.0, 1.0),
+            is_key=True,
             help="The same of the picture's row in place of the score, on the same pixels.",
         ),
         Metric(
