@@ -46,9 +46,10 @@ class Round:
 
 
 ROUNDS = (
-    Round(0.0, 0.3, 0, 10, 0, 40, 8, 3e-3, afresh=True),
-    Round(0.7, 0.1, 10, 14, 40, 50, 6, 3e-3, afresh=True),
-    Round(0.4, 0.15, 24, 12, 90, 50, 0.5, 2e-3, afresh=False),
+    Round(0.0, 0.3, 0, 10, 0, 40, 6, 3e-3, afresh=True),
+    Round(0.7, 0.1, 10, 12, 40, 50, 1.5, 2e-3, afresh=False),
+    Round(0.5, 0.15, 22, 12, 90, 50, 1, 2e-3, afresh=False),
+    Round(0.8, 0.1, 34, 12, 140, 60, 9, 3e-3, afresh=True),
 )
 
 

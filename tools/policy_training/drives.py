@@ -29,7 +29,7 @@ CORRIDORS = ("corners", "tight", "crowd", "laps")
 PILLARS = ("shake", "odometry", "speed", "doors", "low", "crossers", "tilt", "light", "neutral")
 WORLDS = (*CORRIDORS, *PILLARS, "barn")
 N_BARN = 300
-FRAMES = 7
+FRAMES = 15
 """Pictures that the network is given, the newest last."""
 SEEDS_EACH = 69
 

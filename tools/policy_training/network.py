@@ -18,8 +18,8 @@ from torch import Tensor, nn
 
 from policy_training.drives import FRAMES
 
-USED = (6, 4, 0)
-"""Those that it looks at."""
+USED = (14, 12, 8, 0)
+"""Those that it looks at: now, two, six and fourteen frames ago."""
 WIDEST_RAD = math.radians(100)
 N_DIRECTIONS = 25
 SPREAD_RAD = math.radians(6)
@@ -35,12 +35,12 @@ class Policy(nn.Module):  # type: ignore[misc]
     def __init__(self) -> None:
         super().__init__()
         self.eye = nn.Sequential(
-            nn.Conv2d(len(USED), 24, 5, 2, 2, bias=False), nn.BatchNorm2d(24), nn.ReLU(),
-            nn.Conv2d(24, 32, 3, 2, 1, bias=False), nn.BatchNorm2d(32), nn.ReLU(),
+            nn.Conv2d(len(USED), 32, 5, 2, 2, bias=False), nn.BatchNorm2d(32), nn.ReLU(),
             nn.Conv2d(32, 48, 3, 2, 1, bias=False), nn.BatchNorm2d(48), nn.ReLU(),
             nn.Conv2d(48, 64, 3, 2, 1, bias=False), nn.BatchNorm2d(64), nn.ReLU(),
+            nn.Conv2d(64, 96, 3, 2, 1, bias=False), nn.BatchNorm2d(96), nn.ReLU(),
             nn.Flatten(),
-            nn.Linear(64 * 4 * 5, 128), nn.ReLU(),
+            nn.Linear(96 * 4 * 5, 128), nn.ReLU(),
         )  # fmt: skip
         self.goal = nn.Sequential(nn.Linear(6, 32), nn.ReLU())
         self.head = nn.Sequential(nn.Linear(160, 96), nn.ReLU(), nn.Linear(96, N_DIRECTIONS))
