@@ -48,7 +48,7 @@ def test_no_drive_that_teaches_is_one_that_judges() -> None:
 
 @pytest.mark.parametrize("world", ["tight", "doors", "barn"])
 def test_a_drive_becomes_pictures_and_what_the_planner_would_do(world: str, tmp_path: Path) -> None:
-    drive = Drive(world, seed_of(world, 0), SHIPPED, policy_ratio=0.5, chance_ratio=0.2, until_s=1.0)
+    drive = Drive(world, seed_of(world, 0), SHIPPED, policy_ratio=0.5, chance_ratio=0.2, until_s=2.0)
     assert make(drive, tmp_path) in {"timeout", "contact", "goal"}
     assert make(drive, tmp_path) == "there already"
     with np.load(file_of(drive, tmp_path)) as made:
