@@ -209,6 +209,10 @@ class LogError(GraphnavError):
     """A log could not be written or read."""
 
 
+class BagError(UserError, LogError):
+    """A ROS 2 bag cannot be read: what was found where, and what to do; exit status 2."""
+
+
 class DrawingError(GraphnavError):
     """A plugin that draws raised; what it drew from is unchanged. One line."""
 

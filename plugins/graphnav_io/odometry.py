@@ -1,4 +1,4 @@
-"""Recorded odometry as poses over time: from a csv file or an LCM log."""
+"""Recorded odometry as poses over time: from a csv file or a log."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 from graphnav import GraphnavError, Motion, Odometry, ParamError, Recording
 from graphnav.arrays import Doubles, Longs
 from graphnav_io.csv_file import CsvFile
+from graphnav_io.logged_pictures import channel_of, opened_log
 
 X, Y = ("x", "x_m"), ("y", "y_m")
 YAW = ("yaw", "yaw_rad", "yaw_deg", "theta", "theta_rad", "theta_deg", "heading", "heading_rad", "heading_deg")
@@ -76,7 +77,7 @@ class Track(NamedTuple):
 
 
 def read_odometry(path: Path, columns: tuple[str, ...] | None, channel: str | None) -> Track:
-    """Return the odometry in a csv file, or of a channel of an LCM log (``.lcmlog``).
+    """Return the odometry in a csv file, or of a channel of an LCM log (``.lcmlog``) or of a ROS 2 bag.
 
     ``columns``: the csv's columns of time, x, y, yaw or of time, v, omega; None finds them by their names. Speeds are
     integrated: between two rows the robot drives at their mean. ``channel``: None is the log's only Odometry.
@@ -86,7 +87,32 @@ def read_odometry(path: Path, columns: tuple[str, ...] | None, channel: str | No
     ParamError
         The file cannot be read or lacks what is needed.
     """
-    track = _read_log(path, channel) if path.suffix == ".lcmlog" else _read_csv(path, columns)
+    if not Recording.is_log(path):
+        return _checked(path, _read_csv(path, columns))
+    with opened_log("odometry", path, "give an LCM log (.lcmlog), a ROS 2 bag or a csv file") as log:
+        return logged_odometry(log, channel)
+
+
+def logged_odometry(log: Recording, channel: str | None) -> Track:
+    """Return the odometry of a channel of an open log, None the only one.
+
+    Raises
+    ------
+    ParamError
+        The log lacks what is needed.
+    """
+    wanted = channel_of(log, Odometry, channel, "odometry_channel")
+    try:
+        samples = {utime: one for utime, _, one in log.messages(wanted) if isinstance(one, Odometry)}
+    except GraphnavError as error:
+        raise ParamError("odometry", str(error), "give another log, or a csv file") from error
+    utimes = np.array(sorted(samples), np.int64)
+    poses = np.array([(samples[t].x_m, samples[t].y_m, samples[t].yaw_rad) for t in utimes.tolist()], np.float64)
+    poses = poses.reshape(-1, 3)
+    return _checked(log.path, Track(utimes, poses[:, 0] + 1j * poses[:, 1], np.unwrap(poses[:, 2])))
+
+
+def _checked(path: Path, track: Track) -> Track:
     if len(track.utimes) < 2:
         raise ParamError("odometry", f"'{path}' holds a single sample", "record the drive, at 10 Hz or more")
     if not (np.abs(track.position_m).max() <= MAX_M and np.abs(track.yaw_rad).max() <= MAX_RAD):
@@ -137,29 +163,3 @@ def _integrated(utimes: Longs, v_mps: Doubles, omega_radps: Doubles) -> Track:
     chords = elapsed_s * (v_mps[1:] + v_mps[:-1]) / 2 * np.sinc(turns / (2 * np.pi))
     steps = chords * np.exp(1j * (yaw_rad[:-1] + turns / 2))
     return Track(utimes, np.concatenate([[0j], np.cumsum(steps)]), yaw_rad)
-
-
-def _read_log(path: Path, channel: str | None) -> Track:
-    try:
-        with Recording(path) as log:
-            wanted = _channel(log, path, channel)
-            samples = {utime: one for utime, _, one in log.messages(wanted) if isinstance(one, Odometry)}
-    except ParamError:
-        raise
-    except GraphnavError as error:
-        raise ParamError("odometry", str(error), "give an LCM log (.lcmlog) or a csv file") from error
-    utimes = np.array(sorted(samples), np.int64)
-    poses = np.array([(samples[t].x_m, samples[t].y_m, samples[t].yaw_rad) for t in utimes.tolist()], np.float64)
-    poses = poses.reshape(-1, 3)
-    return Track(utimes, poses[:, 0] + 1j * poses[:, 1], np.unwrap(poses[:, 2]))
-
-
-def _channel(log: Recording, path: Path, channel: str | None) -> str:
-    known = [name for name, kind in log.channels.items() if kind is Odometry.lcm_class]
-    if channel is None and len(known) == 1:
-        return known[0]
-    if channel is not None and channel in known:
-        return channel
-    count = f"no channel '{channel}'" if channel else f"{len(known)} channels"
-    hint = f"its channels of Odometry are {', '.join(known) or 'none'}"
-    raise ParamError("odometry_channel", f"'{path}' has {count} of Odometry", hint)

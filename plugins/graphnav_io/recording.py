@@ -5,10 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from graphnav import Finished, Image, Motion, ParamError, Source, Stamp, param
-from graphnav_io.odometry import Track, read_odometry
+from graphnav import Finished, Image, Motion, Odometry, ParamError, Source, Stamp, param
+from graphnav import Recording as Log
+from graphnav_io.frames import Frames
+from graphnav_io.logged_pictures import LogFrames, channels_of, open_log_frames
+from graphnav_io.odometry import Track, logged_odometry, read_odometry
 from graphnav_io.preparation import Prepared
-from graphnav_io.sequence import Sequence, open_sequence
+from graphnav_io.sequence import Sequence, Timeline, open_sequence
 
 ROUNDING_US = 10
 """Stamps of a live run are rounded."""
@@ -30,10 +33,19 @@ class Recording(Prepared, Source):
     the interval, has a gap of more than 3 typical periods in it, or is not given: stages that need it then wait for the
     next picture.
 
+    A log, of LCM or a ROS 2 bag, has both: channels of `Image` and `Odometry`, topics of ``sensor_msgs/Image`` or
+    ``CompressedImage`` (8 bits, gray or colour, JPEG, PNG) and ``nav_msgs/Odometry``, by the stamps of their headers.
+
     Pictures are prepared as by `Images`. In a live run, pictures whose time has passed are skipped.
     """
 
-    path: Path = param(doc="a folder or pattern of pictures, or a video file")
+    path: Path = param(
+        doc="a folder or pattern of pictures, a video file, an LCM log (.lcmlog), or a ROS 2 bag: its folder, or an "
+        ".mcap or .db3 file of it (extra: bags)"
+    )
+    image_channel: str | None = param(
+        None, doc="channel of Image in the log, or topic in the bag, that 'path' is; null takes the only one in it"
+    )
     times: Path | None = param(
         None,
         doc="csv with a header, a column of times (time_us, time_s, ...; time is in seconds), and for pictures a "
@@ -46,27 +58,30 @@ class Recording(Prepared, Source):
     odometry: Path | None = param(
         None,
         doc="csv with a header and columns time, x, y, yaw (m, rad) or time, v, omega (m/s, rad/s), or an LCM log "
-        "(.lcmlog); null publishes no motion",
+        "(.lcmlog), or a ROS 2 bag; null takes the odometry in the log or bag that 'path' is, and publishes no motion "
+        "where there is none",
     )
     columns: tuple[str, ...] | None = param(
         None,
         doc="columns of the odometry's csv: time, x, y, yaw or time, v, omega, in this order; null finds them by name",
     )
-    odometry_channel: str | None = param(None, doc="channel of Odometry in the LCM log; null takes the only one in it")
+    odometry_channel: str | None = param(
+        None, doc="channel of Odometry in the log, or topic in the bag; null takes the only one in it"
+    )
 
     def check(self) -> None:
         """Check that pictures, times and odometry can be read and have times in common."""
         super().check()
         frames, timeline = self._open()
         try:
-            pixels = frames.read()
+            pixels, track = frames.read(), self._track(frames)
         except ValueError as error:
             raise ParamError("path", str(error)) from error
         finally:
             frames.close()
         assert pixels is not None, "an open sequence has a first frame"
         self.check_picture(pixels)
-        if (track := self._track()) is not None:
+        if track is not None:
             first_us, last_us = timeline.at_us(0), timeline.last_us
             if track.last_us <= first_us or (last_us is not None and track.first_us >= last_us):
                 until = "" if last_us is None else f" to {last_us * 1e-6:.3f}"
@@ -81,7 +96,7 @@ class Recording(Prepared, Source):
         """Begin with the first picture."""
         self.close()
         self._sequence: Sequence | None = self._open()
-        self._odometry = self._track()
+        self._odometry = self._track(self._sequence.frames)
         self._preparation = self.preparation()
         self._next = 0
         self._begin_us: int | None = None
@@ -136,7 +151,22 @@ class Recording(Prepared, Source):
         return None if begin is None or self._odometry is None else self._odometry.motion(begin, utime)
 
     def _open(self) -> Sequence:
-        return open_sequence(self.path, self.times, self.rate_hz, self.start_s)
+        if not Log.is_log(self.path):
+            if self.image_channel is not None:
+                what = f"'image_channel' is '{self.image_channel}', but '{self.path}' is not a log"
+                raise ParamError("image_channel", what, "remove it, or give a log or a ROS 2 bag as 'path'")
+            return open_sequence(self.path, self.times, self.rate_hz, self.start_s)
+        for name in ("times", "rate_hz", "start_s"):
+            if getattr(self, name):
+                what = f"'{name}' is {getattr(self, name)}, but '{self.path}' has the times of its pictures"
+                raise ParamError(name, what, "remove it")
+        frames = open_log_frames(self.path, self.image_channel)
+        return Sequence(frames, Timeline(frames.utimes))
 
-    def _track(self) -> Track | None:
-        return None if self.odometry is None else read_odometry(self.odometry, self.columns, self.odometry_channel)
+    def _track(self, frames: Frames) -> Track | None:
+        """Return the odometry that is given, else that of the log of the pictures; None where there is none."""
+        if self.odometry is not None:
+            return read_odometry(self.odometry, self.columns, self.odometry_channel)
+        if isinstance(frames, LogFrames) and (self.odometry_channel or channels_of(frames.log, Odometry)):
+            return logged_odometry(frames.log, self.odometry_channel)
+        return None

@@ -1,6 +1,7 @@
 """Read and write LCM event logs, compatible with LCM's own tools."""
 
 from graphnav.core.record.about_first import AboutFirst
+from graphnav.core.record.bags import BagWriter
 from graphnav.core.record.channel_filter import ChannelFilter
 from graphnav.core.record.event import Damaged, Event, TruncatedEvent
 from graphnav.core.record.index import Timeline
@@ -14,6 +15,7 @@ from graphnav.core.record.writer import LogWriter
 __all__ = [
     "RECENT_S",
     "AboutFirst",
+    "BagWriter",
     "ChannelFilter",
     "Damaged",
     "Event",

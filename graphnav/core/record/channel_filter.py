@@ -31,10 +31,19 @@ class ChannelFilter:
         self._patterns = [re.compile(translate(glob), re.DOTALL) for glob in globs]
         self._patterns += [_compiled(regex) for regex in regexes]
         self._invert = invert
+        self._without: frozenset[str] = frozenset()
         self.takes = lru_cache(_MAX_REMEMBERED)(self._takes)
         """Whether a channel is accepted, by its name."""
 
+    def without(self, channels: Iterable[str]) -> ChannelFilter:
+        """Return this filter, which no longer accepts some channels."""
+        self._without |= frozenset(channels)
+        self.takes.cache_clear()
+        return self
+
     def _takes(self, channel: str) -> bool:
+        if channel in self._without:
+            return False
         if not self._patterns:
             return True
         return self._invert != any(pattern.fullmatch(channel) for pattern in self._patterns)

@@ -6,17 +6,20 @@ import re
 from pathlib import Path
 
 from graphnav.core.errors import UserError
+from graphnav.core.record.bags import is_bag
 from graphnav.core.run_folder import RunFolder
 
 
 def find_log(path: Path, hint: str = "name a run folder or a log") -> Path:
-    """Return the log at ``path`` or in the folder ``path``.
+    """Return the log at ``path`` or in the folder ``path``; a ROS 2 bag in a folder is that folder.
 
     Raises
     ------
     UserError
         The log does not exist; the error's hint is ``hint``.
     """
+    if is_bag(path):
+        return path
     log = path / RunFolder.LOG if path.is_dir() else path
     if not log.is_file():
         raise UserError.of(f"{path} holds no {RunFolder.LOG}" if path.is_dir() else f"there is no {path}", hint)

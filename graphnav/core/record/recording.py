@@ -24,6 +24,7 @@ from graphnav.core.codec import (
 )
 from graphnav.core.errors import LogError, UserError, shown_name
 from graphnav.core.messages import About, Message
+from graphnav.core.record.bags import BAG_SUFFIXES, Bag, is_bag
 from graphnav.core.record.event import Damaged, Entry, Event, LogFile, TruncatedEvent
 from graphnav.core.record.index import Index, Timeline
 from graphnav.core.record.log_paths import parts_of
@@ -55,13 +56,14 @@ class Head(NamedTuple):
 
 
 class Recording:
-    """A log of graphnav or of any other LCM program.
+    """A log of graphnav or of any other LCM program, or a ROS 2 bag, whose topics are read as channels.
 
-    ``channels`` maps each channel to its lcm-gen class, or to None if the type is not installed. ``truncated``:
+    ``channels`` maps each channel to its lcm-gen class, or to None if the type is not installed. Of a bag ``bag`` tells
+    the ROS types; elsewhere it is None. ``truncated``:
     the incomplete last event, None if the log is complete; ``damaged``: the bytes between events that were skipped.
     ``content``: the file to read in place of ``path``, by its path or descriptor: the same log with what it leaves out.
 
-    Raises LogError if the file cannot be read or is not a log.
+    Raises LogError if the file cannot be read or is not a log, UserError if reading a bag needs an extra.
     """
 
     SMALL_BYTES = 4096
@@ -74,10 +76,14 @@ class Recording:
         self.truncated: TruncatedEvent | None = None
         self.damaged: list[Damaged] = []
         self._index = Index()
-        self._files: list[LogFile] = []
+        self._files: list[LogFile | Bag] = []
         self._begins: list[int] = []
         """Where each file begins in all their bytes."""
         self._n_bytes = 0
+        self.bag: Bag | None = None
+        if content is None and is_bag(self.path):
+            self._add_bag(Bag(self.path))
+            return
         for part in parts_of(self.path) if content is None else [content]:
             self._add(LogFile(part), is_first=not self._files)
         if None in self.channels.values() and (texts := {about.lcm_text: None for about in self._abouts()}):
@@ -105,11 +111,28 @@ class Recording:
                     self._index.add(entry._replace(start=begin + entry.start, stop=begin + entry.stop))
                 is_copy = False
 
+    def _add_bag(self, bag: Bag) -> None:
+        self.bag = bag
+        self._files.append(bag)
+        self._begins.append(0)
+        self._n_bytes = bag.size
+        try:
+            for entry in bag.entries():
+                self._index.add(entry)
+        except BaseException:
+            bag.close()
+            raise
+
     def _read(self, start: int, stop: int) -> bytes:
         """Return bytes of one file, whose positions count in all files."""
         number = bisect_right(self._begins, start) - 1
         begin = self._begins[number]
         return self._files[number].read(start - begin, stop - begin)
+
+    @staticmethod
+    def is_log(path: Path) -> bool:
+        """Whether a path is that of a log by its name (``.lcmlog``), or of a ROS 2 bag."""
+        return path.suffix in (".lcmlog", *BAG_SUFFIXES) or is_bag(path)
 
     @cached_property
     def about(self) -> About | None:
@@ -140,12 +163,20 @@ class Recording:
     @cached_property
     def channels(self) -> Mapping[str, type | None]:
         """The type of each channel, in the order of their first events."""
+        if self.bag is not None:
+            return {topic: self.bag.lcm_class(topic) for topic in self._index.channels}
         declared = dict(zip(self.about.channels, self.about.types, strict=False)) if self.about else {}
         return {
             channel: (type_named(declared[channel]) if channel in declared else None)
             or type_of(self.event(channel, 0).data)
             for channel in self._index.channels
         }
+
+    @property
+    def foreign_types(self) -> Mapping[str, str]:
+        """The ROS types of the topics of a bag that graphnav has no type for, by topic; none of a log."""
+        types = {} if self.bag is None else self.bag.types
+        return {topic: types[topic] for topic, lcm_class in self.channels.items() if topic in types and not lcm_class}
 
     @property
     def leaves_out(self) -> bool:
@@ -282,7 +313,7 @@ class Recording:
         try:
             return codec_of(lcm_class).decode(self.event(channel, index).data)
         except DecodeError as error:
-            raise LogError(f"{self.path}: event {index} of channel '{channel}': {error}") from error
+            raise self._undecodable(channel, index, error) from error
 
     def close(self) -> None:
         """Close the files."""
@@ -313,7 +344,14 @@ class Recording:
         try:
             return decode(wrapper, self.event(channel, index).data)
         except DecodeError as error:
-            raise LogError(f"{self.path}: event {index} of channel '{channel}': {error}") from error
+            raise self._undecodable(channel, index, error) from error
+
+    def _undecodable(self, channel: str, index: int, error: DecodeError) -> LogError:
+        """Return the error of an event that is not of its channel's type."""
+        if self.bag is None:
+            return LogError(f"{self.path}: event {index} of channel '{channel}': {error}")
+        why = self.bag.fault(self._index.of(channel, index).start) or error
+        return LogError(f"{self.path}: message {index} of topic '{channel}': {why}")
 
 
 def _has_fixed_size(lcm_class: type) -> bool:

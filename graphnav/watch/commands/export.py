@@ -17,6 +17,7 @@ FORMATS = {
     "parquet": "the same with the types of the fields (extra: parquet)",
     "mcap": "for Foxglove: pictures, scalars to plot, map, path, log (extra: foxglove)",
     "rrd": "for Rerun: the same, with a layout (extra: rerun)",
+    "rosbag2": "a ROS 2 bag with what has a standard ROS type: images, twists, odometry, maps, scans (extra: bags)",
 }
 """Every format of `graphnav.watch.export` and its help."""
 
@@ -26,6 +27,7 @@ examples:
   graphnav export runs/a --to csv -o tables
   graphnav export runs/a --to images --channel robot.image -o frames
   graphnav export runs/a --to csv --channel control.twist -o twist.csv
+  graphnav export runs/a --to rosbag2 -o a_bag
   graphnav export runs/a --to mp4 --channel plane.plane --from 10s --until 20s -o plane.mp4
 """
 
@@ -39,7 +41,7 @@ examples:
         type=Path,
         metavar="FILE",
         required=True,
-        help="the file, or the folder of pictures or tables",
+        help="the file, or the folder of pictures, tables or a bag",
     ),
     many(
         "channels",
@@ -51,6 +53,13 @@ examples:
     FROM_S,
     TO_S,
     flag("force", "--force", "replace existing files"),
+    Parameter(
+        "storage",
+        "--storage",
+        choices=("mcap", "sqlite3"),
+        default="mcap",
+        help="the files of a ROS 2 bag (default: %(default)s)",
+    ),
     *Options.TYPES,
     Shared.TRUST,
     examples="\n".join(["formats:", *(f"  {name:<9}{text}" for name, text in FORMATS.items()), "", _EXAMPLES]),
@@ -75,6 +84,7 @@ def main(args: CommandArguments) -> int:
                 args.target,
                 selection,
                 force=args.force,
+                storage=args.storage,
                 catalog=catalog,
                 on_time=lambda at_s: show(round(at_s * 1e6)),
             )

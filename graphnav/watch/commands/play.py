@@ -53,6 +53,7 @@ def main(args: CommandArguments) -> int:
     channels = channels_of(args)
     url = args.lcm_url()
     with opened(find_log(args.log), Catalog(args.trusted())) as recording:
+        channels = channels.without(recording.foreign_types)
         cursor = select_events(recording, channels, args.start, args.end, loop=args.loop)
         cursor.set_speed(args.speed)
         _tell(recording, cursor)
@@ -88,6 +89,9 @@ def _tell(recording: Recording, cursor: LogCursor) -> None:
 
     if notice := recording.damage_notice():
         print_notice(notice)
+    if foreign := recording.foreign_types:
+        told = ", ".join(f"{shown_name(topic)} ({shown_name(kind)})" for topic, kind in foreign.items())
+        print_notice(f"not played, since graphnav has no such types: {told}")
     motors = {channel: ref for channel, ref in motor_channels(recording).items() if channel in cursor.channels}
     for channel, ref in motors.items():
         name = shown_name(channel)

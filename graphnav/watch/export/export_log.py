@@ -28,13 +28,14 @@ def export_log(
     selection: Selection | None = None,
     *,
     force: bool = False,
+    storage: str = "mcap",
     catalog: Catalog | None = None,
     on_time: Callable[[float], None] = lambda _: None,
 ) -> Exported:
     """Write the selected part of a log to ``target``, in one of the `FORMATS`.
 
-    ``target`` is created when it is complete; tables of several channels are a folder, everything else a file. From a
-    damaged log the intact messages are exported. ``on_time`` is called with the progress, seconds of the log.
+    ``target`` is created when it is complete; tables of several channels and bags are folders, everything else a file. From
+    a damaged log the intact messages are exported. ``storage``: of a ROS 2 bag, ``mcap`` or ``sqlite3``. ``on_time`` is called with the progress, seconds of the log.
 
     Raises
     ------
@@ -46,6 +47,6 @@ def export_log(
     selection, catalog = selection or Selection(), catalog or Catalog()
     reader = Reader(recording, selection, catalog, on_time)
     selection.check_span(recording)
-    written = FORMATS[kind](Job(reader, selection, catalog, target, force))
+    written = FORMATS[kind](Job(reader, selection, catalog, target, force, storage))
     n_bytes = sum(file.stat().st_size for file in written.files)
     return Exported(n_bytes, written.contents, written.losses)

@@ -19,6 +19,7 @@ from graphnav.watch.export.files import placed_file, placed_folder
 from graphnav.watch.export.foxglove import McapFile
 from graphnav.watch.export.reader import Reader
 from graphnav.watch.export.rerun import RerunFile, blueprint_of
+from graphnav.watch.export.rosbag2 import write_bag
 from graphnav.watch.export.selection import Selection
 from graphnav.watch.export.tables import OpenTable, open_csv, open_parquet, write_tables
 from graphnav.watch.export.video import write_video
@@ -41,6 +42,8 @@ class Job:
     catalog: Catalog
     target: Path
     force: bool
+    storage: str
+    """The kind of files of a ROS 2 bag."""
 
     @property
     def channel(self) -> str | None:
@@ -99,6 +102,11 @@ def _rrd(job: Job) -> Written:
     return Written(job.contents, entries.losses(), [job.target])
 
 
+def _rosbag2(job: Job) -> Written:
+    losses, files = write_bag(job.reader, job.target, job.storage, force=job.force)
+    return Written(job.contents, losses, files)
+
+
 FORMATS: dict[str, Callable[[Job], Written]] = {
     "mp4": _mp4,
     "images": _images,
@@ -106,6 +114,7 @@ FORMATS: dict[str, Callable[[Job], Written]] = {
     "parquet": _parquet,
     "mcap": _mcap,
     "rrd": _rrd,
+    "rosbag2": _rosbag2,
 }
 """The writer of each format."""
 

@@ -32,6 +32,7 @@ def as_json(info: LogInfo) -> dict[str, Any]:
         "stamp_jumps": info.n_jumps,
         "made_by": asdict(info.origin) if info.origin is not None else None,
         "unfinished": info.unfinished,
+        "topics_without_messages": list(info.silent),
         "completion_hint": info.completion_hint,
         "channels": {channel.name: _channel(channel) for channel in info.channels},
         "gaps": [{"from_us": gap.from_us, "until_us": utime, "messages": gap.n_messages} for utime, gap in info.gaps],
@@ -70,6 +71,8 @@ def as_text(info: LogInfo) -> list[str]:
         lines += _origin_lines(info.origin)
     if info.unfinished:
         lines.append(shown_name(info.unfinished))
+    if info.silent:
+        lines.append(f"topics without messages: {', '.join(map(shown_name, info.silent))}")
     if info.completion_hint:
         lines.append(f"its large messages are not recorded, a replay recomputes them; {info.completion_hint}")
     return lines

@@ -122,6 +122,8 @@ class LogInfo:
     truncated: TruncatedEvent | None
     gaps: tuple[tuple[int, Gap], ...] = ()
     """Gaps in the recording, and the timestamps at which the log goes on, microseconds."""
+    silent: tuple[str, ...] = ()
+    """The topics of a ROS 2 bag without messages."""
     unfinished: str = ""
     """That the run did not finish, empty if it did or that is not known."""
 
@@ -145,12 +147,15 @@ def survey(path: Path) -> LogInfo:
         channels: dict[str, ChannelInfo] = {}
         for event, at_us in zip(recording.events(), recording.timeline.at_us, strict=True):
             if event.channel not in channels:
-                channels[event.channel] = ChannelInfo(event.channel, event.data)
+                is_foreign = event.channel in recording.foreign_types  # its bytes are not those of LCM
+                channels[event.channel] = ChannelInfo(event.channel, b"" if is_foreign else event.data)
             channels[event.channel].take(event.data, at_us / 1e6)
         about = recording.about
         for name, type_name in zip(about.channels, about.types, strict=False) if about is not None else ():
             if name in channels:
                 channels[name].declare(type_name)
+        for topic, ros_type in recording.foreign_types.items():
+            channels[topic].declare(ros_type)
         return LogInfo(
             path=path,
             n_bytes=recording.n_bytes,
@@ -165,7 +170,13 @@ def survey(path: Path) -> LogInfo:
             truncated=recording.truncated,
             gaps=_gaps(recording),
             unfinished=unfinished(path),
+            silent=_silent_topics(recording),
         )
+
+
+def _silent_topics(recording: Recording) -> tuple[str, ...]:
+    bag = recording.bag
+    return () if bag is None else tuple(topic for topic in bag.types if not recording.count(topic))
 
 
 def _gaps(recording: Recording) -> tuple[tuple[int, Gap], ...]:
