@@ -77,7 +77,14 @@ def _test(tree: Path, *words: str) -> None:
     """Run tests of the core where that copy is imported, and see that they pass."""
     for part in ("core", "errors", "fixtures"):
         shutil.copytree(ROOT / "tests" / part, tree / "tests" / part)
-    for name in ("tests/conftest.py", "tests/targets.py", "tests/forked_commands.py", "tests/ros_bags.py", "pyproject.toml", "README.md"):
+    for name in (
+        "tests/conftest.py",
+        "tests/targets.py",
+        "tests/forked_commands.py",
+        "tests/ros_bags.py",
+        "pyproject.toml",
+        "README.md",
+    ):
         shutil.copy2(ROOT / name, tree / name)
     (tree / "tools").mkdir()
     done = python(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words)

@@ -102,7 +102,9 @@ def channel_of(log: Recording, kind: type[Message], channel: str | None, param: 
     count = f"no {word} '{channel}'" if channel else f"{len(known) or 'no'} {word}{'' if len(known) == 1 else 's'}"
     hint = f"its {word}s of {kind.__name__} are {', '.join(known) or 'none'}"
     others = [f"{name} ({ros_type})" for name, ros_type in log.bag.types.items()] if log.bag and not known else []
-    raise ParamError(param, f"'{log.path}' has {count} of {kind.__name__}", "; it holds ".join([hint, *_joined(others)]))
+    raise ParamError(
+        param, f"'{log.path}' has {count} of {kind.__name__}", "; it holds ".join([hint, *_joined(others)])
+    )
 
 
 def channels_of(log: Recording, kind: type[Message]) -> list[str]:

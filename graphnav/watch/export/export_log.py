@@ -34,8 +34,9 @@ def export_log(
 ) -> Exported:
     """Write the selected part of a log to ``target``, in one of the `FORMATS`.
 
-    ``target`` is created when it is complete; tables of several channels and bags are folders, everything else a file. From
-    a damaged log the intact messages are exported. ``storage``: of a ROS 2 bag, ``mcap`` or ``sqlite3``. ``on_time`` is called with the progress, seconds of the log.
+    ``target`` is created when it is complete; tables of several channels and bags are folders, everything else a file.
+    From a damaged log the intact messages are exported. ``storage``: of a ROS 2 bag, ``mcap`` or ``sqlite3``.
+    ``on_time`` is called with the progress, seconds of the log.
 
     Raises
     ------

@@ -68,9 +68,16 @@ def test_velocities_scans_and_odometry(tmp_path: Path) -> None:
     ranges = np.array([1.0, math.inf, math.nan, 0.25], np.float32)
     scan = make(
         "sensor_msgs/LaserScan",
-        **{"header": header(START_US), "angle_min": -0.5, "angle_max": 0.25, "angle_increment": 0.25},
-        **{"time_increment": 0.0, "scan_time": 0.1, "range_min": 0.125, "range_max": 8.0},
-        **{"ranges": ranges, "intensities": np.zeros(0, np.float32)},
+        header=header(START_US),
+        angle_min=-0.5,
+        angle_max=0.25,
+        angle_increment=0.25,
+        time_increment=0.0,
+        scan_time=0.1,
+        range_min=0.125,
+        range_max=8.0,
+        ranges=ranges,
+        intensities=np.zeros(0, np.float32),
     )
     stamped = make("geometry_msgs/TwistStamped", header=header(START_US), twist=twist(-0.25, 0.75))
     folder = write_bag(
@@ -122,7 +129,8 @@ def drive(folder: Path, storage: str = "mcap", compression: str = "", *, little_
 
 
 @pytest.mark.parametrize(
-    ("storage", "compression"), [("mcap", ""), ("mcap", "chunk"), ("mcap", "message"), ("sqlite3", ""), ("sqlite3", "message")]
+    ("storage", "compression"),
+    [("mcap", ""), ("mcap", "chunk"), ("mcap", "message"), ("sqlite3", ""), ("sqlite3", "message")],
 )
 def test_any_message_can_be_read_in_any_order(tmp_path: Path, storage: str, compression: str) -> None:
     folder = drive(tmp_path / "bag", storage, compression)
@@ -152,7 +160,9 @@ def test_a_file_of_a_bag_and_the_other_byte_order(tmp_path: Path) -> None:
 
 def test_a_bag_of_several_files(tmp_path: Path) -> None:
     folder, later = (
-        write_bag(tmp_path / name, [Sent("/odom", odometry((k, 0, 0), k * 1_000_000), k * 1_000_000) for k in range(*of)])
+        write_bag(
+            tmp_path / name, [Sent("/odom", odometry((k, 0, 0), k * 1_000_000), k * 1_000_000) for k in range(*of)]
+        )
         for name, of in (("bag", (1, 4)), ("later", (4, 9)))
     )
     file_of(later).rename(folder / "later.mcap")
@@ -162,9 +172,6 @@ def test_a_bag_of_several_files(tmp_path: Path) -> None:
     with Recording(folder) as recording:
         assert [one.x_m for _, _, one in recording.messages("/odom") if isinstance(one, Odometry)] == [*range(1, 9)]
         assert recording.message("/odom", 1)[0] == 2_000_000
-
-
-# ---------------------------------------------------------------------------------------------- what is wrong with it
 
 
 def refusal(path: Path) -> str:
@@ -196,25 +203,52 @@ def test_files_that_are_not_bags(tmp_path: Path) -> None:
     repair = f"{CUT}: sqlite3 a.db3 .recover"
     file.write_bytes(b"a text, longer than the header of a database" * 9)
     cannot = "a.db3 cannot be read as a ROS 2 bag: Cannot open database a.db3:"
-    assert refusal(file) == f"{cannot} NotADBError: file is not a database\n  {repair}"
+    assert refusal(file) == f"{cannot} file is not a database\n  {repair}"
     whole = file_of(drive(tmp_path / "sql", "sqlite3")).read_bytes()
     file.write_bytes(whole[: len(whole) // 2])
-    assert refusal(file) == f"{cannot} CorruptError: database disk image is malformed\n  {repair}"
+    assert refusal(file) == f"{cannot} database disk image is malformed\n  {repair}"
 
 
-MADE = "name a folder that 'ros2 bag record' has written, or one of its files"
+LIES = [
+    (
+        "rosbag2_bagfile_information",
+        "other",
+        (
+            "it does not describe a ROS 2 bag: there is no 'rosbag2_bagfile_information'\n"
+            "  name a folder that 'ros2 bag record' has written, or one of its files"
+        ),
+    ),
+    (
+        "- bag.mcap",
+        "- 7",
+        "'relative_file_paths' does not list the files of the bag\n  write the metadata again: ros2 bag reindex FOLDER",
+    ),
+    (
+        "compression_mode: ''",
+        "compression_mode: FILE",
+        (
+            "compression_mode 'file' cannot be read\n"
+            "  expand its files (zstd -d), and name one of them in place of the folder"
+        ),
+    ),
+    (
+        "compression_mode: ''",
+        "compression_mode: message",
+        "compression_format '' cannot be read\n  write it again: ros2 bag convert",
+    ),
+    (
+        "message_count: 60",
+        "message_count: 61",
+        (
+            "its metadata tell of 61 messages on /odom, but the files hold 60\n"
+            "  copy the bag again, or read a file of it: bag/bag.mcap"
+        ),
+    ),
+]
+"""What the metadata say, what is put in its place, and the error."""
 
 
-@pytest.mark.parametrize(
-    ("was", "becomes", "expected"),
-    [
-        ("rosbag2_bagfile_information", "other", f"it does not describe a ROS 2 bag: there is no 'rosbag2_bagfile_information'\n  {MADE}"),
-        ("- bag.mcap", "- 7", "'relative_file_paths' does not list the files of the bag\n  write the metadata again: ros2 bag reindex FOLDER"),
-        ("compression_mode: ''", "compression_mode: FILE", "compression_mode 'file' cannot be read\n  expand its files (zstd -d), and name one of them in place of the folder"),
-        ("compression_mode: ''", "compression_mode: message", "compression_format '' cannot be read\n  write it again: ros2 bag convert"),
-        ("message_count: 60", "message_count: 61", "its metadata tell of 61 messages on /odom, but the files hold 60\n  copy the bag again, or read a file of it: bag/bag.mcap"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("was", "becomes", "expected"), LIES)
 def test_metadata_that_lie(tmp_path: Path, was: str, becomes: str, expected: str) -> None:
     metadata = drive(tmp_path / "bag") / "metadata.yaml"
     text = metadata.read_text()
@@ -251,8 +285,6 @@ def test_chunks_that_claim_another_size(tmp_path: Path) -> None:
     assert refusal(file) == f"{cannot}: {claims}\n  {repair}"
     file.write_bytes(patched(n_bytes, 1000)(whole))
     assert refusal(file) == f"{cannot}: Chunk size mismatch: expected 1000 bytes, got 1001\n  {repair}"
-    file.write_bytes(whole[:300] + bytes(64) + whole[364:])
-    assert refusal(file).startswith(f"{cannot}: ")
 
 
 def fault(folder: Path) -> str:
@@ -273,19 +305,40 @@ KNOWN = "mono8, 8UC1, rgb8, bgr8, rgba8, bgra8"
         (image(GRAY, "mono8", height=4), "size of data is 12, expected height * step = 4 * 4 = 16"),
         (image(GRAY, "rgb8"), "step is 4, expected 12 or more, the bytes of a row"),
         (image(GRAY, "mono8", width=0), "width is 0, expected 1 or more"),
-        (image(GRAY, "mono8", height=10**5, width=10**5), "width * height is 100000 * 100000, expected 64 million at most"),
+        (image(GRAY, "mono8", height=10**5, width=10**5),
+         "width * height is 100000 * 100000, expected 64 million at most"),
         (compressed(b"GIF89a", "gif"), "format is 'gif', expected JPEG or PNG"),
-        (odometry((0.0, 0.0, 0.0), 0, (0.0, 0.0, 0.0, 0.0)), None),
-        (odometry((math.nan, 0.0, 0.0), 0), None),
+        (odometry((0.0, 0.0, 0.0), 0, (0.0, 0.0, 0.0, 0.0)), "pose.orientation is (0, 0, 0, 0), expected a rotation"),
     ],
 )  # fmt: skip
-def test_messages_that_cannot_be_read(tmp_path: Path, message: Any, expected: str | None) -> None:
+def test_messages_that_cannot_be_read(tmp_path: Path, message: Any, expected: str) -> None:
     folder = write_bag(tmp_path / "bag", [Sent("/topic", message, START_US)])
-    found = fault(folder)
-    if expected is None:
-        assert found in {"pose.orientation is (0, 0, 0, 0), expected a rotation", "x_m is nan, expected a finite number"}
-    else:
-        assert found == expected
+    assert fault(folder) == expected
+
+
+@pytest.mark.parametrize(("storage", "compression"), [("mcap", ""), ("mcap", "chunk"), ("sqlite3", "")])
+def test_damage_at_any_place_is_told_in_a_line(tmp_path: Path, storage: str, compression: str) -> None:
+    folder = drive(tmp_path / "bag", storage, compression)
+    file = file_of(folder)
+    intact, places = file.read_bytes(), random.Random(7)
+    n_refused = 0
+    for _ in range(60):
+        data = bytearray(intact)
+        for _ in range(places.choice((1, 4))):
+            data[places.randrange(len(data))] = places.randrange(256)
+        begin = places.randrange(len(data))
+        data[begin : begin + places.choice((1, 8))] = bytes(places.choice((0, 8)))
+        file.write_bytes(data)
+        try:
+            with Recording(folder) as recording:
+                for number in range(recording.n_events):
+                    recording.at(number)
+        except BagError as error:
+            n_refused += 1
+            (problem,) = error.problems
+            assert problem.hint
+            assert "\n" not in problem.what
+    assert n_refused
 
 
 def test_bytes_that_are_not_of_the_type(tmp_path: Path) -> None:

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 from graphnav_io.recording import Drive, Recording
 
-from graphnav import Finished, Odometry, ParamError, Plane, Stamp, State
+from graphnav import Finished, ParamError, Plane, Stamp
 from graphnav.core.api.run import run
 from graphnav.core.cli import main
-from graphnav.core.codec import encode
-from graphnav.core.record import LogWriter
 from graphnav.core.record import Recording as Log
 from tests.ros_bags import Sent, file_of, image, make, odometry, write_bag
 
@@ -21,24 +19,26 @@ START_US = 1_700_000_000_000_000
 PICTURE = np.zeros((24, 32), np.uint8)
 
 
+ROBOT = """\
+run: {until_s: 2, seed: 3, record: replayable}
+stages:
+  robot:  {use: world.robot, with: {map: maps/corridor_ccw.yaml, image_jitter_s: 0.01}, in: {command: driver.twist}}
+  driver: {use: control.wander, in: {image: robot.image}}
+"""
+"""A robot whose pictures come every 0.1 s, give or take 10 ms, and its odometry at 50 Hz."""
+
+
 @pytest.fixture(scope="module")
 def drives(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Return a drive of two seconds as a log of pictures and odometry, and as the two kinds of bag that it exports to."""
+    """Return the log of a drive of two seconds, and the two kinds of bag that it is exported to."""
     folder = tmp_path_factory.mktemp("drive")
-    words = ["run", "corridor_ccw", "--until", "2", "--no-tap", "--no-pictures", "-o", str(folder / "run")]
+    (folder / "robot.yaml").write_text(ROBOT)
+    words = ["run", str(folder / "robot.yaml"), "--no-tap", "--no-pictures", "-o", str(folder / "run")]
     assert main(words) == 0
-    paths = {"log": folder / "drive.lcmlog", "mcap": folder / "mcap", "sqlite3": folder / "sqlite3"}
-    with Log(folder / "run" / "run.lcmlog") as run_log, LogWriter(paths["log"]) as writer:
-        for event in run_log.events():
-            if event.channel == "robot.image":
-                writer.write("CAMERA", event.utime, event.data)
-        for utime, seq, state in run_log.messages("robot.state"):
-            assert isinstance(state, State)
-            sample = Odometry(state.x_m, state.y_m, state.yaw_rad, state.v_mps, state.omega_radps)
-            writer.write("ODOMETRY", utime + 3_000, encode(sample, utime, seq))
+    paths = {"log": folder / "run" / "run.lcmlog", "mcap": folder / "mcap", "sqlite3": folder / "sqlite3"}
     for storage in ("mcap", "sqlite3"):
         export = ["export", str(paths["log"]), "--to", "rosbag2", "--storage", storage, "-o", str(paths[storage])]
-        assert main(export) == 0
+        assert main([*export, "--channel", "robot.image", "--channel", "robot.odometry"]) == 0
     return paths
 
 
@@ -60,16 +60,17 @@ def play(source: Recording) -> list[tuple[int, Drive]]:
 
 def test_a_bag_plays_as_the_log_does(drives: dict[str, Path]) -> None:
     logged = play(Recording(path=drives["log"]))
-    assert [utime for utime, _ in logged] == [100_000 * k for k in range(21)]
-    assert logged[0][1].motion is None
+    assert len(logged) >= 20
+    assert len({utime % 100_000 for utime, _ in logged}) > 10, "the pictures come when they come"
     for path in (drives["mcap"], file_of(drives["mcap"]), drives["sqlite3"], file_of(drives["sqlite3"])):
         played = play(Recording(path=path))
         assert [utime for utime, _ in played] == [utime for utime, _ in logged]
         for (_, one), (_, other) in zip(played[1:], logged[1:], strict=True):
             np.testing.assert_array_equal(one.image.pixels, other.image.pixels)
             found, expected = one.motion, other.motion
-            assert found is not None
-            assert expected is not None
+            if found is None or expected is None:
+                assert found is expected
+                continue
             assert found.interval_us == expected.interval_us
             # the heading is rounded as a quaternion
             assert (found.forward_m, found.left_m) == pytest.approx((expected.forward_m, expected.left_m), abs=1e-12)
@@ -124,9 +125,7 @@ def poses(topic: str, count: int = 3, step_us: int = 100_000) -> list[Sent]:
 def test_topics_are_chosen_by_their_type_or_by_name(tmp_path: Path) -> None:
     sent = [*pictures("/left"), *pictures("/right"), *poses("/wheels"), *poses("/slam"), *poses("/still", 1)]
     bag = write_bag(tmp_path / "bag", sent, silent=[("/rear", "sensor_msgs/msg/Image")])
-    assert refusal(path=bag) == (
-        "image_channel: 'bag' has 2 topics of Image\n  its topics of Image are /left, /right"
-    )
+    assert refusal(path=bag) == ("image_channel: 'bag' has 2 topics of Image\n  its topics of Image are /left, /right")
     assert refusal(path=bag, image_channel="/rear") == (
         "image_channel: 'bag' has no topic '/rear' of Image\n  its topics of Image are /left, /right"
     )
@@ -154,8 +153,6 @@ def test_a_bag_without_what_is_needed(tmp_path: Path) -> None:
         "odometry_channel: 'only' has no topic '/odom' of Odometry\n"
         "  its topics of Odometry are none; it holds /camera (sensor_msgs/msg/Image)"
     )
-    late = write_bag(tmp_path / "late", [*pictures("/camera"), *poses("/odom", 3, 10)])
-    assert refusal(path=late).startswith("odometry: the odometry is of 1700000000.000 to 1700000000.000 s, ") or True
     raw = write_bag(tmp_path / "raw", pictures("/camera", "bayer_rggb8"))
     assert refusal(path=raw) == (
         "path: raw: message 0 of topic '/camera': encoding is 'bayer_rggb8', "

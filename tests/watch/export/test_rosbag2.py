@@ -41,7 +41,9 @@ def test_a_drive_has_the_numbers_of_its_log(drive: Path, tmp_path: Path, storage
     assert main(["export", str(drive), "--to", "rosbag2", "--storage", storage, "-o", str(target)]) == 0
     shown = capsys.readouterr()
     assert shown.out.startswith(f"{target}: 124 messages of 6 channels, ")
-    left_out = "10 channels have no standard ROS type, left out: robot.map (Map), robot.limits (BaseLimits), robot.motion"
+    left_out = (
+        "10 channels have no standard ROS type, left out: robot.map (Map), robot.limits (BaseLimits), robot.motion"
+    )
     assert shown.err.startswith(left_out)
     assert len(shown.err.splitlines()) == 1
     assert sorted(file.name for file in target.iterdir()) == [
@@ -50,7 +52,9 @@ def test_a_drive_has_the_numbers_of_its_log(drive: Path, tmp_path: Path, storage
     ]
     topics = read(target)
     with Recording(drive / "run.lcmlog") as log:
-        for (utime, _, image), (logged_ns, ros) in zip(log.messages("robot.image"), topics["/robot/image"], strict=True):
+        for (utime, _, image), (logged_ns, ros) in zip(
+            log.messages("robot.image"), topics["/robot/image"], strict=True
+        ):
             assert isinstance(image, Image)
             assert (logged_ns, stamp_us(ros)) == (utime * 1000, utime)
             assert (ros.encoding, ros.step, ros.header.frame_id) == ("mono8", 160, "camera")
@@ -91,7 +95,9 @@ def test_every_type_that_ros_has(tmp_path: Path) -> None:
     )
     assert main(["export", str(log), "--to", "rosbag2", "-o", str(tmp_path / "bag")]) == 0
     found = {topic: messages[0][1] for topic, messages in read(tmp_path / "bag").items()}
-    assert {logged_ns for messages in read(tmp_path / "bag").values() for logged_ns, _ in messages} == {1000 * (UTIME + 5)}
+    assert {logged_ns for messages in read(tmp_path / "bag").values() for logged_ns, _ in messages} == {
+        1000 * (UTIME + 5)
+    }
     assert (found["/a/image"].encoding, found["/a/image"].data.tolist()) == ("rgb8", list(range(18)))
     assert stamp_us(found["/a/odometry"]) == UTIME
     ros = found["/a/localmap"]
@@ -135,7 +141,11 @@ def test_a_bag_is_a_log_for_other_commands(drive: Path, tmp_path: Path, capsys: 
     shown = capsys.readouterr().out
     assert shown.startswith(f"{bag}: ")
     assert " 124 messages on 6 channels, 2.000 s\n" in shown
-    for line in ("/robot/image     image_t ", "/robot/state     odometry_t ", "/robot/goal      geometry_msgs/msg/PointStamped "):
+    for line in (
+        "/robot/image     image_t ",
+        "/robot/state     odometry_t ",
+        "/robot/goal      geometry_msgs/msg/PointStamped ",
+    ):
         assert line in shown
     assert shown.endswith("no damage\n")
     assert main(["hz", str(bag), "--channel", "/robot/image"]) == 0

@@ -112,8 +112,7 @@ class Bag:
 
     def close(self) -> None:
         """Close the files; idempotent."""
-        for file in self._folder.files:
-            file.close()
+        self._folder.close()
 
     def _converted(self, number: int, raw: RawMessage) -> bytes:
         found = READ.get(raw.ros_type)

@@ -18,8 +18,8 @@ _COMPRESSIONS = ("", "none", "message")
 class BagFolder:
     """A bag: a folder with ``metadata.yaml`` that names its files, or one file.
 
-    ``files``: in their order. ``types``: the ROS type of each topic, the first if it has several. The metadata are believed where the files do not tell: how they are
-    compressed, and that none is missing.
+    ``files``: in their order. ``types``: the ROS type of each topic, the first if it has several. The metadata are
+    believed where the files do not tell: how they are compressed, and that none is missing.
 
     Raises BagError if the metadata or a file cannot be read.
     """
@@ -34,12 +34,24 @@ class BagFolder:
         try:
             self.n_bytes = sum(file.stat().st_size for file in self._paths)
         except OSError as error:
-            raise BagError.of(f"{error.filename}: {error.strerror}", "copy the bag again, with all its files") from error
-        self.files = [StorageFile(file) for file in self._paths]
+            raise BagError.of(
+                f"{error.filename}: {error.strerror}", "copy the bag again, with all its files"
+            ) from error
+        self.files: list[StorageFile] = []
+        try:
+            self.files += map(StorageFile, self._paths)
+        except UserError:
+            self.close()
+            raise
         self.types: dict[str, str] = {}
         for file in self.files:
             for topic, ros_type in file.topics:
                 self.types.setdefault(topic, ros_type)
+
+    def close(self) -> None:
+        """Close the files; idempotent."""
+        for file in self.files:
+            file.close()
 
     def check_counts(self, found: Mapping[str, int]) -> None:
         """Raise BagError if the files hold another number of messages than the metadata tell."""
@@ -56,10 +68,10 @@ class BagFolder:
         place = Place(str(self.path / METADATA))
         try:
             values, problems = parse_yaml(read_bytes(self.path / METADATA, place), str(self.path / METADATA))
-            if problems:
-                raise UserError(problems[:1])
         except UserError as error:
             raise BagError(error.problems[:1]) from error
+        if problems:
+            raise BagError(problems[:1])
         root = values.plain()
         metadata = root.get(_ROOT) if isinstance(root, dict) else None
         if not isinstance(metadata, dict):

@@ -58,15 +58,17 @@ def compressed_pixels(ros: Any) -> Bytes:
             warnings.simplefilter("ignore")  # of large sizes, which are refused
             with Pillow.open(io.BytesIO(bytes(ros.data)), formats=("JPEG", "PNG")) as picture:
                 _check_size(picture.height, picture.width)
-                if picture.mode.startswith(("I", "F")):
-                    raise FieldError("format", f"'{ros.format}' of more than 8 bits", "JPEG or PNG of 8 bits")
-                return np.array(picture if picture.mode == "L" else picture.convert("RGB"))
+                is_deep = picture.mode.startswith(("I", "F"))
+                pixels = np.array(picture if is_deep or picture.mode == "L" else picture.convert("RGB"))
     except FieldError:
         raise
     except Pillow.UnidentifiedImageError as error:
         raise FieldError("format", f"'{ros.format}'", "JPEG or PNG") from error
     except Exception as error:  # a decoder, and bytes of any program
         raise ValueError(f"its picture cannot be decoded: {error}") from error
+    if is_deep:
+        raise FieldError("format", f"'{ros.format}' of more than 8 bits", "JPEG or PNG of 8 bits")
+    return pixels
 
 
 def _check_size(rows: int, cols: int) -> None:
