@@ -269,7 +269,7 @@ class Recording:
         entries = [self._index[number] for number in self._index.channels.get(channel, ())]
         if not entries or (lcm_class := self.channels[channel]) is None or message_class_of(lcm_class) is None:
             return [entry.utime for entry in entries]
-        if self._stamp(entries[0]) == entries[0].utime:
+        if self.bag is None and self._stamp(entries[0]) == entries[0].utime:
             return [entry.utime for entry in entries]
         return [self._stamp(entry) for entry in entries]
 

@@ -52,6 +52,7 @@ def compressed_pixels(ros: Any) -> Bytes:
         It is not JPEG or PNG, or damaged.
     """
     from PIL import Image as Pillow  # noqa: PLC0415 - only bags with compressed pictures need it
+    from PIL import UnidentifiedImageError  # noqa: PLC0415
 
     try:
         with warnings.catch_warnings():
@@ -62,7 +63,7 @@ def compressed_pixels(ros: Any) -> Bytes:
                 pixels = np.array(picture if is_deep or picture.mode == "L" else picture.convert("RGB"))
     except FieldError:
         raise
-    except Pillow.UnidentifiedImageError as error:
+    except UnidentifiedImageError as error:
         raise FieldError("format", f"'{ros.format}'", "JPEG or PNG") from error
     except Exception as error:  # a decoder, and bytes of any program
         raise ValueError(f"its picture cannot be decoded: {error}") from error
