@@ -158,7 +158,7 @@ class Cdr:
     def decode(self, data: bytes, ros_type: str) -> Any:
         """Return a ROS message; raises FieldError or ValueError if the bytes are not one."""
         try:
-            return self.store.deserialize_cdr(data, ros_type)
+            return self.store.deserialize_cdr(memoryview(data), ros_type)
         except FieldError:
             raise
         except Exception as error:  # bytes of any program, read by generated code
