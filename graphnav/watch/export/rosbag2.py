@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 from graphnav import UserError
@@ -35,7 +36,7 @@ def write_bag(reader: Reader, target: Path, storage: str, *, force: bool) -> tup
         writer = BagWriter(made, storage)
         is_complete = False
         try:
-            _write(reader, taken, writer)
+            unwritten = _write(reader, taken, writer)
             is_complete = True
         finally:
             writer.close(is_complete=is_complete)
@@ -43,17 +44,27 @@ def write_bag(reader: Reader, target: Path, storage: str, *, force: bool) -> tup
         for name in names:
             (made / name).rename(folder / name)
         made.rmdir()
-    return [*_left_out(kinds.keys() - taken, kinds), *reader.losses()], [target / name for name in names]
+    losses = [*_left_out(kinds.keys() - taken, kinds), *unwritten, *reader.losses()]
+    return losses, [target / name for name in names]
 
 
-def _write(reader: Reader, taken: set[str], writer: BagWriter) -> None:
+def _write(reader: Reader, taken: set[str], writer: BagWriter) -> list[str]:
+    """Write the messages; return a sentence for each channel of which some cannot be."""
+    unwritten: Counter[str] = Counter()
     for event in reader.recording.events():
         if event.channel not in taken or not reader.holds(event):
             continue
         sample = reader.decoded(event)
-        message = None if sample is None else reader.message(event.channel, sample.fields)
-        if sample is not None and message is not None:
-            writer.write(event.channel, event.utime, sample.fields.get("utime", event.utime), message)
+        if sample is None:
+            continue
+        message = reader.message(event.channel, sample.fields)
+        utime = sample.fields.get("utime", event.utime)
+        if message is None or not writer.write(event.channel, event.utime, utime, message):
+            unwritten[event.channel] += 1
+    return [
+        f"channel {name!r}: {count} messages left out: their ROS type cannot hold their numbers or times"
+        for name, count in unwritten.items()
+    ]
 
 
 def _left_out(names: set[str], kinds: dict[str, type | None]) -> list[str]:

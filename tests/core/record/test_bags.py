@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import io
 import math
+import os
 import random
 import struct
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -149,6 +151,25 @@ def test_any_message_can_be_read_in_any_order(tmp_path: Path, storage: str, comp
         assert levels == [level for k in range(60) for level in (k, 100 + k)]
 
 
+def test_two_threads_may_read(tmp_path: Path) -> None:
+    """As the full screen of ``spy`` does: one reads on, while another looks at single messages."""
+    with Recording(drive(tmp_path / "bag")) as recording:
+        events = list(recording.events())
+        with ThreadPoolExecutor(2) as pool:
+            onward, back = pool.map(lambda order: [recording.at(k) for k in order], (range(240), range(239, -1, -1)))
+    assert onward == events
+    assert back == events[::-1]
+
+
+def test_messages_without_bytes(tmp_path: Path) -> None:
+    empty = Sent("/topic", PICTURE, START_US, raw=b"\0")
+    folder = write_bag(tmp_path / "bag", [empty, empty, Sent("/topic", PICTURE, START_US)])
+    with Recording(folder) as recording:
+        assert [len(event.data) for event in recording.events()][:2] == [1, 1]
+        assert recording.message("/topic", 2)[1] == 2
+    assert fault(folder).startswith("is not sensor_msgs/msg/Image: ")
+
+
 def test_a_file_of_a_bag_and_the_other_byte_order(tmp_path: Path) -> None:
     little, big = drive(tmp_path / "little"), drive(tmp_path / "big", "sqlite3", little_endian=False)
     with Recording(little) as one, Recording(file_of(big)) as other:
@@ -193,10 +214,10 @@ def test_files_that_are_not_bags(tmp_path: Path) -> None:
     assert refusal(file) == f"{cannot}: File 'a.mcap' seems to be empty\n  {repair}"
     file.write_bytes(b"a text")
     assert refusal(file) == f"{cannot}: File magic is invalid\n  {repair}"
-    whole = file_of(drive(tmp_path / "bag")).read_bytes()
-    file.write_bytes(whole[: len(whole) // 2])
+    intact = file_of(drive(tmp_path / "bag")).read_bytes()
+    file.write_bytes(intact[: len(intact) // 2])
     assert refusal(file) == f"{cannot}: File end magic is invalid\n  {repair}"
-    file.write_bytes(whole.replace(b"\x04\x00\x00\x00ros2", b"\x04\x00\x00\x00josx", 1))
+    file.write_bytes(intact.replace(b"\x04\x00\x00\x00ros2", b"\x04\x00\x00\x00josx", 1))
     only = "only the MCAP files of ROS 2 can be read: record it with 'ros2 bag record'"
     assert refusal(file) == f"{cannot}: Profile is not ros2\n  {only}"
     file = tmp_path / "a.db3"
@@ -204,8 +225,8 @@ def test_files_that_are_not_bags(tmp_path: Path) -> None:
     file.write_bytes(b"a text, longer than the header of a database" * 9)
     cannot = "a.db3 cannot be read as a ROS 2 bag: Cannot open database a.db3:"
     assert refusal(file) == f"{cannot} file is not a database\n  {repair}"
-    whole = file_of(drive(tmp_path / "sql", "sqlite3")).read_bytes()
-    file.write_bytes(whole[: len(whole) // 2])
+    intact = file_of(drive(tmp_path / "sql", "sqlite3")).read_bytes()
+    file.write_bytes(intact[: len(intact) // 2])
     assert refusal(file) == f"{cannot} database disk image is malformed\n  {repair}"
 
 
@@ -262,6 +283,8 @@ def test_files_that_are_missing(tmp_path: Path) -> None:
     file_of(folder).unlink()
     text = "bag/bag.mcap: No such file or directory\n  copy the bag again, with all its files"
     assert refusal(folder) == text
+    os.mkfifo(folder / "bag.mcap")
+    assert refusal(folder) == text.replace("No such file or directory", "it is a FIFO, not a regular file")
     (folder / "metadata.yaml").write_text("[")
     assert refusal(folder).startswith("bag/metadata.yaml:1:2: ")
 
@@ -277,13 +300,13 @@ def test_chunks_that_claim_another_size(tmp_path: Path) -> None:
     with Recording(folder) as recording:
         assert recording.bag is not None
         (chunk,) = recording.bag._folder.files[0]._reader.storage.chunks  # the sizes as the file has them
-    n_bytes, whole = chunk.uncompressed_size, file.read_bytes()
+    n_bytes, intact = chunk.uncompressed_size, file.read_bytes()
     cannot = "bag.mcap cannot be read as a ROS 2 bag"
     repair = f"{CUT}: mcap recover bag.mcap -o repaired.mcap"
-    file.write_bytes(patched(n_bytes, 10 * 10**9)(whole))
+    file.write_bytes(patched(n_bytes, 10 * 10**9)(intact))
     claims = "ValueError: a chunk declares 10000000000 bytes, more than the maximum of 1073741824"
     assert refusal(file) == f"{cannot}: {claims}\n  {repair}"
-    file.write_bytes(patched(n_bytes, 1000)(whole))
+    file.write_bytes(patched(n_bytes, 1000)(intact))
     assert refusal(file) == f"{cannot}: Chunk size mismatch: expected 1000 bytes, got 1001\n  {repair}"
 
 

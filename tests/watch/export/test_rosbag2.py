@@ -120,6 +120,21 @@ def test_names_that_ros_does_not_have() -> None:
     assert topic_of("", []) == "/_"
 
 
+def test_times_and_numbers_that_ros_does_not_have(tmp_path: Path, capsys: Any) -> None:
+    log = write(tmp_path / "drive.lcmlog", Twist(0.5, 0.0), Scan(-0.5, 0.25, 0.1, 1e300, np.ones(3, np.float32)))
+    with LogWriter(tmp_path / "late.lcmlog") as late, Recording(log) as recording:
+        for event in recording.events():
+            late.write(event.channel, event.utime, event.data)
+        late.write("a.twist", 1 << 60, encode(Twist(0.5, 0.0), 1 << 60, 9))
+        late.write("a.twist", 5, encode(Twist(0.5, 0.0), -5, 9))
+    assert main(["export", str(tmp_path / "late.lcmlog"), "--to", "rosbag2", "-o", str(tmp_path / "bag")]) == 0
+    assert {topic: len(messages) for topic, messages in read(tmp_path / "bag").items()} == {"/a/twist": 1}
+    assert capsys.readouterr().err == (
+        "channel 'a.scan': 1 messages left out: their ROS type cannot hold their numbers or times\n"
+        "channel 'a.twist': 2 messages left out: their ROS type cannot hold their numbers or times\n"
+    )
+
+
 def test_what_cannot_be_exported(drive: Path, tmp_path: Path, capsys: Any) -> None:
     words = ["export", str(drive), "--to", "rosbag2"]
     assert main([*words, "--channel", "flow.flow", "-o", str(tmp_path / "bag")]) == 2

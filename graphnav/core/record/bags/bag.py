@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import threading
 from array import array
 from bisect import bisect_right
 from collections import Counter
@@ -57,6 +58,7 @@ class Bag:
         self._cursor: Iterator[RawMessage] = iter(())
         self._place, self._next = -1, 0
         """The file that the cursor reads, and the number of the message that it yields next."""
+        self._lock = threading.Lock()
 
     def entries(self) -> Iterator[Entry]:
         """Yield the position of each message, once; positions count the bytes of all messages as the bag has them."""
@@ -76,8 +78,9 @@ class Bag:
                 self._seqs.append(counts[raw.topic])
                 self._topics.append(raw.topic)
                 counts[raw.topic] += 1
-                begin += len(raw.data)
-                yield Entry(raw.topic, raw.logged_ns // 1000, begin - len(raw.data), begin)
+                n_bytes = max(len(raw.data), _HEAD.size + 1)  # more than a head: `read` tells the two apart
+                yield Entry(raw.topic, raw.logged_ns // 1000, begin, begin + n_bytes)
+                begin += n_bytes
         self._folder.check_counts(counts)
 
     def lcm_class(self, topic: str) -> type | None:
@@ -95,7 +98,8 @@ class Bag:
         if lcm_class is not None and stop - start <= _HEAD.size:
             head = _HEAD.pack(fingerprint(lcm_class), self._utimes[number], self._seqs[number])
             return head[start - self._starts[number] : stop - self._starts[number]]
-        raw = self._raw(number)
+        with self._lock:
+            raw = self._raw(number)
         try:
             return self._converted(number, raw)
         except (ValueError, EncodeError):
@@ -104,8 +108,10 @@ class Bag:
     def fault(self, start: int) -> str:
         """Return why the message at a position has no data of its type, empty if it has."""
         number = bisect_right(self._starts, start) - 1
+        with self._lock:
+            raw = self._raw(number)
         try:
-            self._converted(number, self._raw(number))
+            self._converted(number, raw)
         except (ValueError, EncodeError) as error:
             return message_line(error)
         return ""

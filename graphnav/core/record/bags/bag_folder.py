@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePath
 from typing import Any
 
 from graphnav.core.errors import BagError, Place, UserError, shown_name
+from graphnav.core.machine.files import open_regular
 from graphnav.core.record.bags.library import StorageFile
 from graphnav.core.spec import parse_yaml, read_bytes
 
@@ -32,11 +34,11 @@ class BagFolder:
         if path.is_dir():
             self._read_metadata()
         try:
+            for file in self._paths:
+                os.close(open_regular(file))  # the library would wait for a FIFO
             self.n_bytes = sum(file.stat().st_size for file in self._paths)
         except OSError as error:
-            raise BagError.of(
-                f"{error.filename}: {error.strerror}", "copy the bag again, with all its files"
-            ) from error
+            raise BagError.of(f"{file}: {error.strerror}", "copy the bag again, with all its files") from error
         self.files: list[StorageFile] = []
         try:
             self.files += map(StorageFile, self._paths)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -10,6 +11,8 @@ from graphnav.core.messages import Message
 from graphnav.core.record.bags.library import Cdr, StorageWriter
 from graphnav.core.record.bags.to_ros import WRITTEN, RosMessages
 
+_END_US = 1_000_000 << 31
+"""Where the stamps of ROS end, in 2038."""
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_/]|/(?=/|$)")
 
 
@@ -37,13 +40,22 @@ class BagWriter:
         """Whether messages of a type have a standard ROS type."""
         return kind in WRITTEN
 
-    def write(self, channel: str, logged_us: int, utime: int, message: Message) -> None:
-        """Append a message, recorded at ``logged_us``, with its own stamp; raises OSError if the disk refuses it."""
+    def write(self, channel: str, logged_us: int, utime: int, message: Message) -> bool:
+        """Append a message, recorded at ``logged_us``, with its own stamp; raises OSError if the disk refuses it.
+
+        Returns false, without writing, for a time or a number that the ROS type cannot hold.
+        """
+        if not (0 <= logged_us < _END_US and 0 <= utime < _END_US):
+            return False
         if channel not in self._topics:
             self._topics[channel] = topic_of(channel, self._topics.values())
         writing = WRITTEN[type(message)]
-        data = self._cdr.encode(writing.convert(self._ros, message, utime))
+        try:
+            data = self._cdr.encode(writing.convert(self._ros, message, utime))
+        except (struct.error, OverflowError):  # a number beyond float32
+            return False
         self._file.write(self._topics[channel], writing.ros_type, logged_us * 1000, data)
+        return True
 
     def close(self, *, is_complete: bool) -> None:
         """Write the index and the metadata; of an incomplete bag only close the files."""
