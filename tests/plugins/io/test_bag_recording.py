@@ -159,7 +159,7 @@ def test_a_bag_without_what_is_needed(tmp_path: Path) -> None:
         "expected mono8, 8UC1, rgb8, bgr8, rgba8, bgra8"
     )
     file = tmp_path / "a.mcap"
-    file.write_bytes(b"a text")
+    file.write_bytes(b"no bag")
     assert refusal(path=file) == (
         "path: a.mcap cannot be read as a ROS 2 bag: File magic is invalid\n"
         "  if its recording was cut off, repair it: mcap recover a.mcap -o repaired.mcap"
