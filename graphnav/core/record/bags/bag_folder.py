@@ -34,11 +34,11 @@ class BagFolder:
         if path.is_dir():
             self._read_metadata()
         try:
-            for file in self._paths:
-                os.close(open_regular(file))  # the library would wait for a FIFO
-            self.n_bytes = sum(file.stat().st_size for file in self._paths)
+            for one in self._paths:
+                os.close(open_regular(one))  # the library would wait for a FIFO
+            self.n_bytes = sum(one.stat().st_size for one in self._paths)
         except OSError as error:
-            raise BagError.of(f"{file}: {error.strerror}", "copy the bag again, with all its files") from error
+            raise BagError.of(f"{one}: {error.strerror}", "copy the bag again, with all its files") from error
         self.files: list[StorageFile] = []
         try:
             self.files += map(StorageFile, self._paths)
