@@ -137,7 +137,7 @@ def test_the_log_itself_is_never_replaced(
     for target in (log, link):
         words = ["--to", kind, "-o", str(target), "--channel", channel, "--force"]
         assert main(["export", str(tmp_path), *words]) == 2
-        said = f"{target} {folder if kind == 'images' else refused}"
+        said = f"{target} {folder if kind in ('images', 'rosbag2') else refused}"
         assert capsys.readouterr().err == said
     assert log.read_bytes() == (drive / "run.lcmlog").read_bytes()
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -189,7 +189,19 @@ class StorageWriter:
     def close(self, *, is_complete: bool) -> None:
         """Write the index and the metadata, or give up the files of a bag that is not complete."""
         with _disk_errors():
-            (self._writer.close if is_complete else self._writer.abort)()
+            if not is_complete:
+                self._abandon()
+                return
+            try:
+                self._writer.close()
+            except BaseException:
+                self._abandon()
+                raise
+
+    def _abandon(self) -> None:
+        """Close the file of the bag, to which a full disk lets nothing more be written."""
+        with suppress(OSError):
+            self._writer.abort()
 
 
 @contextmanager
