@@ -72,6 +72,15 @@ from .core.grid import (
     coarsen as coarsen,
 )
 from .core.hooks import hookimpl as hookimpl
+from .core.machine.camera_devices import (
+    CameraDevice as CameraDevice,
+)
+from .core.machine.camera_devices import (
+    CameraMode as CameraMode,
+)
+from .core.machine.camera_devices import (
+    cameras as cameras,
+)
 from .core.machine.extras import import_extra as import_extra
 from .core.machine.files import read_regular as read_regular
 from .core.machine.files import written_aside as written_aside
@@ -208,6 +217,9 @@ from .core.stage import (
 )
 from .core.stage import (
     Latest as Latest,
+)
+from .core.stage import (
+    LiveSource as LiveSource,
 )
 from .core.stage import (
     Metric as Metric,

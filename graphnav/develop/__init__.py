@@ -6,9 +6,10 @@ COMMANDS = {
     "profile": "measure where the time of a tick goes: by stage, by channel; a flame graph",
     "types": "list the message types, or describe one; definitions, Java for lcm-spy",
     "lcm-spy": "start lcm-spy of LCM with the types of graphnav",
+    "cameras": "list the cameras of this machine, with their formats, sizes and rates",
     "doctor": "check this machine, and what a graph needs of it; print the commands that fix problems",
     "completion": "print the script that makes bash, zsh or fish complete commands and names with TAB",
 }
 """Every command of this room and its help; ``main`` of ``commands/<command>.py`` is the `Command`."""
-LINUX_COMMANDS = ("lcm-spy", "doctor", "completion")
+LINUX_COMMANDS = ("lcm-spy", "cameras", "doctor", "completion")
 """Those that work on Linux only."""

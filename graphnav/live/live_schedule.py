@@ -13,6 +13,7 @@ from graphnav.core.errors import StageError
 from graphnav.core.graph import Channel, Node
 from graphnav.core.messages import Fired
 from graphnav.core.runner import (
+    ArrivalTimer,
     Encoded,
     Engine,
     LiveInbox,
@@ -27,7 +28,7 @@ from graphnav.core.runner import (
     Unit,
     decoded,
 )
-from graphnav.core.stage import Port
+from graphnav.core.stage import LiveSource, Port, tell_wake
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.intake import Intake, Received
 from graphnav.live.outlet import Outlet
@@ -110,11 +111,19 @@ class LiveSchedule:
         self._source_was_last = self._timer_was_last = False
         self._birth_s = self._origin_s = math.nan
         """Of what arrives and is sent at the moment: see `LiveInbox`."""
+        for stage in stages.values():
+            if isinstance(stage, LiveSource):
+                tell_wake(stage, wake.set)
 
     @property
     def skipped(self) -> int:
         """Firings of sources skipped because they were late by more than a period."""
         return sum(timer.skipped for timer, _ in self._sources)
+
+    @property
+    def live_sources(self) -> Sequence[tuple[ArrivalTimer, Unit[LiveInbox]]]:
+        """The sources that are fired by what arrives from outside."""
+        return [(timer, unit) for timer, unit in self._sources if isinstance(timer, ArrivalTimer)]
 
     @property
     def process_states(self) -> Sequence[ProcessState]:
@@ -246,9 +255,10 @@ class LiveSchedule:
             return None, False
         timer, unit = due
         utime = self.clock.utime_at(timer.due_s)
+        birth_s = timer.due_s if isinstance(timer, ArrivalTimer) else now_s
         timer.advance(now_s)
         self._source_was_last = True
-        return self._fire(unit, utime, unit.inbox.take_no_set(now_s, now_s)), True
+        return self._fire(unit, utime, unit.inbox.take_no_set(now_s, birth_s, birth_s)), True
 
     def _finish(self) -> None:
         """Step with the messages that the source published when it ended the run."""
@@ -290,6 +300,8 @@ class LiveSchedule:
         return True
 
     def _source_timer(self, unit: Unit[LiveInbox], start_s: float) -> Timer:
+        if unit.node.is_live_source:
+            return ArrivalTimer(unit.arrived_s, start_s)
         return Timer(_after_s(unit), start_s)
 
     def _take_results(self) -> str | None:

@@ -8,9 +8,10 @@ from graphnav import Stage, hookimpl
 @hookimpl
 def graphnav_stages() -> list[type[Stage]]:
     """Return the stages; their modules are imported only now."""
+    from graphnav_io.camera import Camera
     from graphnav_io.images import Images
     from graphnav_io.prepare import Prepare
     from graphnav_io.recording import Recording
     from graphnav_io.video import Video
 
-    return [Images, Video, Recording, Prepare]
+    return [Images, Video, Camera, Recording, Prepare]

@@ -9,7 +9,7 @@ import stat
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any, TypeVar
 
 import cv2
@@ -198,7 +198,7 @@ class CaptureFrames:
             raise ValueError(f"{self._name} ends after {self._count} of {self._declared:.0f} frames: it is truncated")
 
 
-def interruptible(call: Callable[[], T]) -> T:
+def interruptible(call: Callable[[], T], timeout_s: float | None = None) -> T:
     """Return what ``call`` returns, made in another thread, which is left behind if this one is interrupted.
 
     So Ctrl-C is obeyed during calls of C code: Python handles signals between two steps of its main thread.
@@ -207,6 +207,8 @@ def interruptible(call: Callable[[], T]) -> T:
     ------
     BaseException
         What ``call`` raises.
+    TimeoutError
+        It has not returned after ``timeout_s``.
     """
     outcome: SimpleQueue[tuple[bool, T | BaseException]] = SimpleQueue()
 
@@ -217,7 +219,10 @@ def interruptible(call: Callable[[], T]) -> T:
             outcome.put((False, error))
 
     threading.Thread(target=work, name="capture", daemon=True).start()
-    is_ok, found = outcome.get()
+    try:
+        is_ok, found = outcome.get(timeout=timeout_s)
+    except Empty:
+        raise TimeoutError from None
     if not is_ok:
         assert isinstance(found, BaseException)
         raise found

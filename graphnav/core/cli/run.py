@@ -200,7 +200,9 @@ def _listing(folder: Path, files: list[str], width: int | None) -> str:
 def _live_notice(args: CommandArguments, graph: Graph) -> str:
     from graphnav.core.lcm_url import live_url
 
-    why = "--live" if args.live else f"inputs: {', '.join(graph.inputs)}"
+    devices = [node.name for node in graph.nodes if node.is_live_source]
+    parts = (("inputs", graph.inputs), ("from a device", devices))
+    why = "--live" if args.live else "; ".join(f"{what}: {', '.join(names)}" for what, names in parts if names)
     return f"live on {live_url(graph, args.url)} ({why}); Ctrl-C ends it"
 
 

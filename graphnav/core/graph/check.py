@@ -84,11 +84,12 @@ def check(
     sent = outputs_of(spec, classes, written, catalog, problems)
     check_outside_names(spec, channels, inputs, sent, problems)
     notices += unnoticed_faults(drawn, sent)
-    if inputs:
+    is_live = bool(inputs) or any(node.is_live_source for node in nodes)
+    if is_live:
         check_stamps(
             [node for node in nodes if node.is_source] + [n for n in order if n in nodes], inputs, problems, notices
         )
-    notices += [text for key, text in _NOT_USED.items() if getattr(spec, key) and not spec.inputs]
+    notices += [text for key, text in _NOT_USED.items() if getattr(spec, key) and not is_live]
     return Graph(
         path=path,
         about=spec.about,
@@ -100,7 +101,7 @@ def check(
         inputs=inputs,
         outputs=sent,
         queues={ref: queue.keep for ref, queue in spec.queues.items()},
-        deploy=parts_of(spec, problems),
+        deploy=parts_of(spec, classes, problems),
         left_out=left_out,
     )
 

@@ -51,8 +51,13 @@ class Graph:
 
     @property
     def is_live(self) -> bool:
-        """Whether it can only run live, because other programs write some of its channels."""
-        return bool(self.inputs)
+        """Whether it can only run live, because some of its messages come from outside."""
+        return bool(self.arriving)
+
+    @property
+    def arriving(self) -> tuple[str, ...]:
+        """What makes it live: inputs, by reference, and stages that take what comes from outside, by name."""
+        return (*self.inputs, *(node.name for node in self.nodes if node.is_live_source))
 
     @property
     def sources(self) -> tuple[Node, ...]:
@@ -60,9 +65,9 @@ class Graph:
         return tuple(node for node in self.nodes if node.is_source)
 
     def with_processes(self) -> Graph:
-        """Return the graph with a process of its own for each stage that ``deploy`` does not name."""
+        """Return the graph with a process of its own for each stage that ``deploy`` does not name and may have one."""
         parts = dict(self.deploy)
-        homeless = {node.name for node in self.nodes}.difference(*(part.stages for part in parts.values()))
+        homeless = {node.name for node in self.nodes if not node.is_live_source}.difference(*(part.stages for part in parts.values()))
         for node in self.nodes:
             if node.name in homeless:
                 name = node.name if node.name not in parts else f"{node.name}_alone"

@@ -12,7 +12,7 @@ from typing import Any, Literal
 from graphnav.core.adapter import Adapter
 from graphnav.core.errors import ParamError, Place, Problem
 from graphnav.core.messages import Message
-from graphnav.core.stage import Port, Source, Stage, ports_of
+from graphnav.core.stage import LiveSource, Port, Source, Stage, ports_of
 
 SET: Literal["--set"] = "--set"
 """The origin of what an override gives, wherever it was written."""
@@ -195,6 +195,11 @@ class Node:
     def is_source(self) -> bool:
         """Whether the clock fires it."""
         return issubclass(self.stage_class, Source)
+
+    @property
+    def is_live_source(self) -> bool:
+        """Whether it is fired by what arrives from outside."""
+        return issubclass(self.stage_class, LiveSource)
 
     @property
     def is_overridden(self) -> bool:

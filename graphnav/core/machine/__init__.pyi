@@ -1,5 +1,6 @@
 # What the rest of graphnav takes of this folder, each imported on first use.
 
+from .camera_devices import CameraDevice, CameraMode, cameras
 from .clock_words import NOTABLE_OFFSET_S, SET_ALIKE, offset_text, set_text, side_text, span_text
 from .console import Console
 from .escaped_streams import escaped_output
@@ -21,9 +22,12 @@ __all__ = [
     "OPT_OUT",
     "PORTABLE",
     "SET_ALIKE",
+    "CameraDevice",
+    "CameraMode",
     "Console",
     "ReceiveBuffer",
     "TerminalGraphics",
+    "cameras",
     "end_despite_threads",
     "environment_alike",
     "escaped_output",

@@ -22,13 +22,14 @@ from .recording.summary import Summary
 from .remote_unit import Done, Encoded, LiveStep, ProcessState, RemoteProcesses, RemoteStage, RemoteUnit
 from .stage_calls import StageCalls
 from .status import ProcessStatuses, Rates, edge_statuses, memory_mb
-from .timer import Timer
+from .timer import ArrivalTimer, Timer
 from .unit import LocalUnit, Unit
 
 __all__ = [
     "CODE",
     "LOOK_BYTES",
     "Answer",
+    "ArrivalTimer",
     "Changes",
     "Difference",
     "Done",

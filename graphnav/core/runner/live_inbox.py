@@ -120,11 +120,11 @@ class LiveInbox:
             return self.take_set(matched, now_s)
         if self._held is None and self._needs:
             return None
-        return self.take_no_set(now_s, origin_s=math.nan)
+        return self.take_no_set(now_s, birth_s=now_s, origin_s=math.nan)
 
-    def take_no_set(self, now_s: float, origin_s: float) -> Taken:
-        """Return what the stage steps with where no new set fires it; ``origin_s``: see ``birth_s``."""
-        self.birth_s, self.origin_s = now_s, origin_s
+    def take_no_set(self, now_s: float, birth_s: float, origin_s: float) -> Taken:
+        """Return what the stage steps with where no new set fires it; ``birth_s``, ``origin_s``: those of its outputs."""
+        self.birth_s, self.origin_s = birth_s, origin_s
         return self._take(now_s)
 
     def _waits_until_s(self, matched: MatchedSet, patience_s: Callable[[], float]) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 
@@ -39,3 +40,27 @@ class Timer:
     def every(period_s: float) -> Callable[[int], float]:
         """Return the times of a timer with a constant period."""
         return lambda firing: firing * period_s
+
+
+class ArrivalTimer(Timer):
+    """Due when something has arrived: at the time at which it was taken, as ``arrived_s`` tells, which is None before.
+
+    ``heard_s``: when that was last seen, else the start.
+    """
+
+    def __init__(self, arrived_s: Callable[[], float | None], start_s: float) -> None:
+        super().__init__(lambda _: math.inf, math.inf)
+        self.heard_s = start_s
+        self._arrived_s = arrived_s
+
+    def is_due(self, now_s: float) -> bool:
+        """Whether something has arrived."""
+        arrived_s = self._arrived_s()
+        self.due_s = math.inf if arrived_s is None else arrived_s
+        if arrived_s is not None:
+            self.heard_s = now_s
+        return arrived_s is not None
+
+    def advance(self, now_s: float) -> None:  # noqa: ARG002 - it is told
+        """Wait for what arrives next."""
+        self.due_s = math.inf

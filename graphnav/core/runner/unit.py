@@ -25,6 +25,7 @@ from graphnav.core.runner.durations import Durations
 from graphnav.core.runner.stage_calls import StageCalls
 from graphnav.core.stage import (
     Finished,
+    LiveSource,
     Port,
     Source,
     Stage,
@@ -104,6 +105,20 @@ class Unit(ABC, Generic[I]):
         StageError
             The stage raised, or returned a time that is not after that of the firing before.
         """
+
+    def arrived_s(self) -> float | None:
+        """Return when what the next step of a `LiveSource` publishes was taken, monotonic seconds, None for nothing.
+
+        Raises
+        ------
+        StageError
+            The stage raised.
+        """
+        raise NotImplementedError
+
+    def notices(self) -> list[str]:
+        """Return what a `LiveSource` has to tell since the last call; raises StageError if the stage raises."""
+        raise NotImplementedError
 
     @abstractmethod
     def patience_s(self) -> float:
@@ -243,6 +258,26 @@ class LocalUnit(Unit[I]):
                 raise ValueError(f"firing {firing} is due at {shown_value(due_us)} us, not after the one before")
             self._due_us = {firing: due_us}
             return due_us
+
+    def arrived_s(self) -> float | None:
+        """Return when what the next step of a `LiveSource` publishes was taken, monotonic seconds, None for nothing.
+
+        Raises
+        ------
+        StageError
+            The stage raised.
+        """
+        source = self._stage
+        assert isinstance(source, LiveSource)
+        with self._calling("arrived_s", self.last_s):
+            return source.arrived_s()
+
+    def notices(self) -> list[str]:
+        """Return what a `LiveSource` has to tell since the last call; raises StageError if the stage raises."""
+        source = self._stage
+        assert isinstance(source, LiveSource)
+        with self._calling("notices", self.last_s):
+            return list(source.notices())
 
     def patience_s(self) -> float:
         """Return how long a live firing waits for `Since` inputs; raises StageError if the stage raises."""

@@ -9,12 +9,14 @@ from graphnav.core.stage.run_metrics import measured_metrics, reported_metrics
 from graphnav.core.stage.stage import (
     MAY_READ_TRUTH,
     Finished,
+    LiveSource,
     Role,
     Source,
     Stage,
     Unnoticed,
     tell_readers,
     tell_run_seed,
+    tell_wake,
 )
 from graphnav.core.stage.units import unit_of
 
@@ -27,6 +29,7 @@ __all__ = [
     "Finished",
     "FormerNames",
     "Latest",
+    "LiveSource",
     "Metric",
     "Param",
     "Port",
@@ -48,5 +51,6 @@ __all__ = [
     "summary_of",
     "tell_readers",
     "tell_run_seed",
+    "tell_wake",
     "unit_of",
 ]

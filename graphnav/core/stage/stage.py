@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar, Final, Literal, NamedTuple, Self, dataclass_transform, get_args
 
 from graphnav.core.errors import ParamError
@@ -70,6 +70,7 @@ class Stage:
 
     _read_ports: frozenset[str] | None = None
     _run_seed: int | None = None
+    _wake: Callable[[], None] | None = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Make the annotated fields of ``cls`` parameters of its constructor."""
@@ -186,6 +187,35 @@ class Source(Stage):
         return round(firing * 1e6 / self.rate())
 
 
+class LiveSource(Source):
+    """A source fired by what arrives from outside, at its own time: a camera. A graph that has one runs live.
+
+    Something beside the run receives, as a thread that `reset` starts; it keeps the newest data and calls `wake`. The
+    run asks `arrived_s`, and ``step`` publishes what that told of. None of them may wait for the device.
+    """
+
+    def arrived_s(self) -> float | None:
+        """Return when the data that the next step publishes was taken, in seconds of `time.monotonic`.
+
+        None if none has arrived since the last step. It is asked any number of times between two steps, and a step
+        publishes what the last answer told of, with that time as its stamp; so the times of steps increase.
+        """
+        raise NotImplementedError
+
+    def wake(self) -> None:
+        """Let the run ask `arrived_s` at once; without it, it asks 20 times a second. For any thread."""
+        if self._wake is not None:
+            self._wake()
+
+    def notices(self) -> Iterable[str]:
+        """Return what became of the device since the last call, a line each, for the user; asked once a second."""
+        return ()
+
+    def is_remote(self) -> bool:
+        """Return True: only a run asks it for data."""
+        return True
+
+
 class Finished(Exception):  # noqa: N818 - it is not an error
     """Raised by a source's ``step`` to end the run; ``outputs`` are published first.
 
@@ -208,3 +238,8 @@ def tell_readers(stage: Stage, ports: Iterable[str]) -> None:
 def tell_run_seed(stage: Stage, seed: int) -> None:
     """Tell a stage the seed of the run; `Source.run_seed` then returns it."""
     stage._run_seed = seed  # noqa: SLF001, authors of stages only ask
+
+
+def tell_wake(stage: LiveSource, wake: Callable[[], None]) -> None:
+    """Tell a stage how to wake the run; `LiveSource.wake` then calls it."""
+    stage._wake = wake  # noqa: SLF001, authors of stages only ask

@@ -77,7 +77,7 @@ def refuse_live(graph: Graph) -> None:
     if graph.is_live:
         what = f"{shown_path(graph.path)}: a profile is taken in lockstep, but this graph has live inputs: "
         hint = "run it with 'graphnav run'; 'graphnav top' shows the times of its steps"
-        raise UserError.of(what + ", ".join(graph.inputs), hint)
+        raise UserError.of(what + ", ".join(graph.arriving), hint)
 
 
 def _why_nothing(outcome: str, failure: str, n_ticks: int) -> str:

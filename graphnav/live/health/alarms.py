@@ -60,6 +60,13 @@ class Alarms:
         for intake in self._schedule.intakes.values():
             yield from self._silent(intake, now_s, receiver)
             yield from self._lost(intake)
+        yield from self.of_sources()
+        for timer, unit in self._schedule.live_sources:
+            silent_s, what = now_s - timer.heard_s, f"{unit.node.name} silent"
+            if silent_s <= _SILENT_S:
+                self._told.pop(what, None)
+            elif self._is_news(what, round(silent_s), 1):
+                yield f"silent: {unit.node.name} has had nothing from its device for {silent_s:.0f} s"
         if receiver is not None:
             yield from self._dropped(receiver)
         for outlet in self._schedule.outlets.values():
@@ -81,6 +88,12 @@ class Alarms:
                 f"another program also sends on {channels}: {heard - sent} of {heard} messages are not from this run\n"
                 "  end one of them: the motors get the commands of both"
             )
+
+    def of_sources(self) -> Iterator[str]:
+        """Yield what sources tell of their devices."""
+        for _, unit in self._schedule.live_sources:
+            for line in unit.notices():
+                yield f"{unit.node.name}: {line}"
 
     def _late(self, elapsed_s: float) -> Iterator[str]:
         """Yield edges with overtaken messages and the slowest stage, and missed deadlines."""

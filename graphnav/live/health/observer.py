@@ -76,7 +76,9 @@ class Observer:
         return f"runs for {status.run_s:.0f} s; {'; '.join(faults) or 'no fault'}"
 
     def finish(self) -> None:
-        """Make the last status, at the end of the run."""
+        """Tell what is left to tell of devices, and make the last status, at the end of the run."""
+        for line in self._alarms.of_sources():
+            self.tell(line)
         self._alarms.close()
         self.status = self._reporter.make()
 

@@ -8,7 +8,7 @@ from graphnav.core.errors import Problem
 from graphnav.core.graph.node import InputChannel, Node
 
 Origins = frozenset[tuple[str, str]]
-"""Origins of stamps: the kind of each ("source", "input" or "timer") and its name."""
+"""Origins of stamps: the kind of each ("source", "device", "input" or "timer") and its name."""
 
 
 def firing_order(writers: Mapping[str, Sequence[str]]) -> tuple[list[str], list[list[str]]]:
@@ -99,8 +99,9 @@ def check_stamps(
         who = f"stage '{node.name}' ({node.use}) joins"
         told = "; ".join(f"'{port}' comes from {_told(part)}" for port, part in ports.items())
         kinds = {kind for kind, _ in found}
-        if {"source", "input"} <= kinds:
-            what = f"{who} a simulated source with an input, whose stamps are never equal: {told}"
+        if "source" in kinds and kinds & {"input", "device"}:
+            other = "an input" if "input" in kinds else "a device"
+            what = f"{who} a simulated source with {other}, whose stamps are never equal: {told}"
             hint = "take all of it from inputs, or use a stage that reads one as Latest[...] or Since[...]"
             problems.append(Problem(node.place, what, hint))
         elif len({origin for origin in found if origin[0] != "source"}) + ("source" in kinds) > 1:
@@ -121,7 +122,7 @@ def _ports(node: Node, origins: Mapping[str, Origins]) -> dict[str, Origins]:
 
 def _written(node: Node, ports: Mapping[str, Origins]) -> Origins:
     if node.is_source:
-        return frozenset({("source", node.name)})
+        return frozenset({("device" if node.is_live_source else "source", node.name)})
     return frozenset({("timer", node.name)}) if node.every_ms is not None else _all(ports)
 
 

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from graphnav.core.errors import Hint, Problem, did_you_mean
 from graphnav.core.graph.node import Part
 from graphnav.core.spec import Spec
+from graphnav.core.stage import LiveSource, Stage
 
 
-def parts_of(spec: Spec, problems: list[Problem]) -> dict[str, Part]:
+def parts_of(spec: Spec, classes: Mapping[str, type[Stage]], problems: list[Problem]) -> dict[str, Part]:
     """Return the processes of a graph by name; what is wrong is added to ``problems``."""
     homes: dict[str, str] = {}
     parts = {}
     for name, part in spec.deploy.items():
         keys = part.keys
         for stage, place in part.stages:
-            if stage in spec.stages and stage not in homes:
+            if stage in classes and issubclass(classes[stage], LiveSource):
+                what = f"the process '{name}' names stage '{stage}' ({spec.stages[stage].use}), which takes what a device"
+                problems.append(Problem(place, f"{what} delivers: it lives in the process of the run", "remove it"))
+            elif stage in spec.stages and stage not in homes:
                 homes[stage] = name
             else:
                 problems.append(Problem(place, *_why_not(spec, name, stage, homes)))

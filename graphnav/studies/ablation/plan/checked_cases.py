@@ -270,6 +270,13 @@ def _refuse_live(graph: Graph) -> None:
             "name a graph whose images come from a world, a video or a folder of images",
             given.place,
         )
+    for node in graph.sources:
+        if node.is_live_source:
+            raise UserError.of(
+                f"stage '{node.name}' ({node.use}) takes what a device delivers, but a study runs in simulated time",
+                "name a graph whose images come from a world, a video or a folder of images",
+                node.place,
+            )
 
 
 def stage_classes(cases: list[CheckedCase]) -> dict[str, list[type[Stage]]]:

@@ -1,0 +1,49 @@
+"""When a picture was taken, by the stamps of a camera's driver."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+
+MAX_DELAY_S = 2.0
+"""A driver's stamp that is further in the past is of another clock, or of a picture that was kept."""
+MAX_AHEAD_S = 0.005
+"""Stamps are rounded, and the time of arrival is read after the picture has come."""
+MIN_STEP_S = 2e-6
+"""Between two pictures: stamps are microseconds."""
+
+
+class DriverClock:
+    """Turns the stamps of a driver, seconds, into seconds of `time.monotonic`, each later than the one before.
+
+    V4L2 stamps the buffer of a picture by the monotonic clock when it is filled, some drivers by the time of day. A stamp
+    that neither clock could have given counts as missing: then it is the time of arrival, which is later than the picture
+    by what exposure, transfer and driver took.
+    """
+
+    def __init__(self, wall_s: Callable[[], float] = time.time) -> None:
+        self.kind = ""
+        """What the newest picture was stamped by, in words; empty before the first one."""
+        self._wall_s = wall_s
+        self._last_s = -math.inf
+        self._driver_s = math.nan
+
+    def is_repeated(self, driver_s: float) -> bool:
+        """Whether a picture has the stamp of the one before: the same buffer again, and not a new picture."""
+        return driver_s > 0.0 and driver_s == self._driver_s
+
+    def taken_s(self, driver_s: float, arrived_s: float) -> float:
+        """Return when a picture was taken that arrived at ``arrived_s``, monotonic; ``driver_s``: its stamp, 0 for none."""
+        self._driver_s = driver_s
+        taken_s, self.kind = arrived_s, "the time of arrival"
+        if driver_s > 0.0 and _is_plausible(arrived_s - driver_s):
+            taken_s, self.kind = min(driver_s, arrived_s), "the driver"
+        elif driver_s > 0.0 and _is_plausible(delay_s := self._wall_s() - driver_s):
+            taken_s, self.kind = arrived_s - max(0.0, delay_s), "the driver, by the time of day"
+        self._last_s = max(taken_s, self._last_s + MIN_STEP_S)
+        return self._last_s
+
+
+def _is_plausible(delay_s: float) -> bool:
+    return -MAX_AHEAD_S <= delay_s <= MAX_DELAY_S
