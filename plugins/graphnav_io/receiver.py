@@ -148,5 +148,5 @@ class PictureReceiver:
         rows, cols = self._shape[:2]
         rate = f" at {opened.rate_hz:g} Hz" if opened.rate_hz else ""
         wanted = self._wanted.size
-        other = f", not {wanted[0]}x{wanted[1]} as asked" if wanted not in (None, (cols, rows)) else ""
+        other = f", not {wanted[0]}x{wanted[1]} as asked," if wanted not in (None, (cols, rows)) else ""
         return f"{self._device.name} gives {cols}x{rows}{other}{rate}; pictures are stamped by {self._clock.kind}"
