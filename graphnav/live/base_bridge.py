@@ -26,10 +26,10 @@ _TURN_S = 0.05
 class BaseBridge:
     """Writes each command of a channel as a line, the newest one only; stops while none has come for ``timeout_s``.
 
-    It writes when the line before has left, so that a slow line never delays a command behind older ones. A line that is
-    gone is opened again: it begins with a stop, and commands count from then on. If this process was suspended for longer
-    than ``timeout_s``, what came meanwhile is not obeyed. ``odometry``: what the base tells is published on its channel.
-    ``show`` gets what changes, a line each.
+    It writes when the line before has left, so that a slow line never delays a command behind older ones. A line that
+    is gone is opened again: it begins with a stop, and commands count from then on. If this process was suspended for
+    longer than ``timeout_s``, what came meanwhile is not obeyed. ``odometry``: a channel, and what reads the lines of
+    the base that are published there. ``show`` gets what changes, a line each.
     """
 
     def __init__(

@@ -19,8 +19,8 @@ _ESCAPES = {"\\n": "\n", "\\r": "\r", "\\t": "\t", "\\0": "\0"}
 class CommandLine:
     """A command as a line of text, by a format with the fields `COMMANDS`, such as ``{v_mps:.3f},{omega_radps:.3f}``.
 
-    Wheels are those of a differential drive: ``track_m`` between them, ``radius_m`` for turning rates. ``\\n``, ``\\r``,
-    ``\\t`` and ``\\0`` may be written with a backslash; a format without a line end gets ``\\n``.
+    Wheels are those of a differential drive: ``track_m`` between them, ``radius_m`` for turning rates. Line ends, tabs
+    and null characters may be written with a backslash; a format without a line end gets a newline.
 
     Raises
     ------
@@ -35,7 +35,9 @@ class CommandLine:
         self._track_m, self._radius_m = track_m, radius_m
         fields = _fields(self._text, "--format", COMMANDS)
         if not {*WHEELS_MPS, *WHEELS_RADPS}.isdisjoint(fields) and track_m is None:
-            raise UserError.of("--format has speeds of wheels, but the distance of the wheels is not known", "add --track-m")
+            raise UserError.of(
+                "--format has speeds of wheels, but the distance of the wheels is not known", "add --track-m"
+            )
         if not set(WHEELS_RADPS).isdisjoint(fields) and radius_m is None:
             raise UserError.of("--format has turning rates of wheels, but their radius is not known", "add --radius-m")
         try:
@@ -54,8 +56,9 @@ class CommandLine:
 
 
 class OdometryLines:
-    """Odometry from the lines of a base, by a format that names all fields of `Odometry`, such as
-    ``O {x_m} {y_m} {yaw_rad} {v_mps} {omega_radps}``; other lines, and what is not finite, are counted in ``unread``.
+    """Odometry from the lines of a base, by a format with the fields `ODOMETRY`, ``{x_m} {y_m} ...``.
+
+    Other lines, and what is not finite, are counted in ``unread``.
 
     Raises
     ------

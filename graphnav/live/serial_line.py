@@ -32,7 +32,7 @@ class SerialLine:
         try:
             attributes = termios.tcgetattr(self._fd)
             attributes[:_CFLAG] = [0, 0]
-            attributes[_CFLAG : _CC] = [termios.CS8 | termios.CREAD | termios.CLOCAL, 0, RATES[baud], RATES[baud]]
+            attributes[_CFLAG:_CC] = [termios.CS8 | termios.CREAD | termios.CLOCAL, 0, RATES[baud], RATES[baud]]
             attributes[_CC][termios.VMIN], attributes[_CC][termios.VTIME] = 0, 0
             termios.tcsetattr(self._fd, termios.TCSANOW, attributes)
             termios.tcflush(self._fd, termios.TCIOFLUSH)

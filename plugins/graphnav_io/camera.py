@@ -16,16 +16,16 @@ FOURCC_LETTERS = 4
 class Camera(Prepared, LiveSource):
     """A camera of this machine, a network camera or a pipe; a graph with it runs live, one firing a picture.
 
-    A thread receives the pictures and keeps the newest one, so that a device that hangs never holds the run. Pictures are
-    stamped when they were taken: by the driver of a camera (V4L2), else when they arrive; a notice tells which. A picture
-    that a newer one replaces before the graph was free is not used, and counted.
+    A thread receives the pictures and keeps the newest one, so that a device that hangs never holds the run. Pictures
+    are stamped when they were taken: by the driver of a camera (V4L2), else when they arrive; a notice tells which. A
+    picture that a newer one replaces before the graph was free is not used, and counted.
 
-    When the device is gone, the run goes on without pictures, a notice tells it, and the device is opened again as soon as
-    it is back; what reads the pictures sees their age, so that a guard stops the robot. A video file or a folder of
+    When the device is gone, the run goes on without pictures, a notice tells it, and the device is opened again as soon
+    as it is back; what reads the pictures sees their age, so that a guard stops the robot. A video file or a folder of
     pictures as ``device`` is played in real time, as a camera would deliver it; its last picture ends the run.
 
-    Pictures are prepared as by `Images`. A picture of another size than the first, as after a change of the device, stops
-    the run; with ``size`` it does not.
+    Pictures are prepared as by `Images`. A picture of another size than the first, as after a change of the device,
+    stops the run; with ``size`` it does not.
     """
 
     metrics = (
@@ -35,28 +35,28 @@ class Camera(Prepared, LiveSource):
     )
 
     device: Path | str = param(
-        doc="a camera by its number, its file (/dev/video0) or a part of its name; a URL (rtsp://, http://); a named pipe; "
-        "gst:// and a GStreamer pipeline, where OpenCV has it; or a video file, a folder or pattern of pictures, played "
-        "as if it were a camera"
+        doc="a camera by its number, its file (/dev/video0) or a part of its name; a URL (rtsp://, http://); a named "
+        "pipe; gst:// and a GStreamer pipeline, where OpenCV has it; or a video file, a folder or pattern of pictures, "
+        "played as if it were a camera"
     )
     camera_size: tuple[int, int] | None = param(
         None,
         ge=1,
         le=16384,
-        doc="columns and rows to ask the camera for; one that gives another size is told, and used as it is; null: its "
-        "own choice",
+        doc="columns and rows to ask the camera for; one that gives another size is told, and used as it is; null: "
+        "its own choice",
     )
     rate_hz: float = param(
         0.0,
         ge=0.0,
         le=1000.0,
-        doc="pictures per second to ask the camera for, or to play a file with; 0: the camera's choice, the file's rate, "
-        "10 for pictures",
+        doc="pictures per second to ask the camera for, or to play a file with; 0: the camera's choice, the file's "
+        "rate, 10 for pictures",
     )
     pixel_format: str | None = param(
         None,
-        doc="four letters as 'graphnav cameras' lists them, such as MJPG, which large pictures need on USB 2; null: what "
-        "OpenCV takes first",
+        doc="four letters as 'graphnav cameras' lists them, such as MJPG, which large pictures need on USB 2; null: "
+        "what OpenCV takes first",
     )
     exposure_ms: float | None = param(
         None,
@@ -119,7 +119,11 @@ class Camera(Prepared, LiveSource):
         receiver = self._receiver
         if receiver is None:
             return {}
-        return {"pictures": self._n_pictures, "replaced": self._n_replaced + receiver.replaced, "reopened": receiver.reopened}
+        return {
+            "pictures": self._n_pictures,
+            "replaced": self._n_replaced + receiver.replaced,
+            "reopened": receiver.reopened,
+        }
 
     def close(self) -> None:
         """Release the device."""

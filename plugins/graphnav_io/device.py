@@ -1,4 +1,4 @@
-"""Find what a camera's parameter names, and open it: a device, a stream, a pipe, or a file that is played as a camera."""
+"""Find what a camera's parameter names, and open it: a device, a stream, a pipe, or a file played as a camera."""
 
 from __future__ import annotations
 

@@ -17,9 +17,9 @@ MIN_STEP_S = 2e-6
 class DriverClock:
     """Turns the stamps of a driver, seconds, into seconds of `time.monotonic`, each later than the one before.
 
-    V4L2 stamps the buffer of a picture by the monotonic clock when it is filled, some drivers by the time of day. A stamp
-    that neither clock could have given counts as missing: then it is the time of arrival, which is later than the picture
-    by what exposure, transfer and driver took.
+    V4L2 stamps the buffer of a picture by the monotonic clock when it is filled, some drivers by the time of day. A
+    stamp that neither clock could have given counts as missing: then it is the time of arrival, which is later than the
+    picture by what exposure, transfer and driver took.
     """
 
     def __init__(self, wall_s: Callable[[], float] = time.time) -> None:
@@ -34,7 +34,7 @@ class DriverClock:
         return driver_s > 0.0 and driver_s == self._driver_s
 
     def taken_s(self, driver_s: float, arrived_s: float) -> float:
-        """Return when a picture was taken that arrived at ``arrived_s``, monotonic; ``driver_s``: its stamp, 0 for none."""
+        """Return when a picture was taken that arrived at ``arrived_s``; ``driver_s``: the driver's stamp, 0: none."""
         self._driver_s = driver_s
         taken_s, self.kind = arrived_s, "the time of arrival"
         if driver_s > 0.0 and _is_plausible(arrived_s - driver_s):

@@ -115,22 +115,25 @@ def test_a_camera_that_repeats_its_picture_is_noticed(
     program = outside("STATE")
     flow = "flow:   {use: flow.lucas_kanade, in: {image: camera.image}}"
     live(graph_of(video(tmp_path / "clip.avi", 1000), flow, ", flow: flow.flow", max_age_s=5.0))
-    program.wait_for(
-        lambda: any("frozen" in decode(GuardState, data)[2].causes for data in program.of("STATE")[-20:])
-    )
+    program.wait_for(lambda: any("frozen" in decode(GuardState, data)[2].causes for data in program.of("STATE")[-20:]))
 
 
 @pytest.mark.parametrize(
     ("more", "what"),
     [
-        ("deploy: {eye: {stages: [camera]}}", "the process 'eye' names stage 'camera' (io.camera), which takes what a device"),
+        (
+            "deploy: {eye: {stages: [camera]}}",
+            "the process 'eye' names stage 'camera' (io.camera), which takes what a device",
+        ),
         ("both: {use: probe.both, in: {a: go.twist, b: other.twist}}", "joins a simulated source with a device"),
     ],
 )
 def test_what_a_graph_with_a_camera_cannot_have_is_refused(
     more: str, what: str, load: Callable[[str], Graph], tmp_path: Path
 ) -> None:
-    world = "world: {use: world.robot, in: {command: go.twist}}\n  other: {use: probe.trouble, in: {image: world.image}}"
+    world = (
+        "world: {use: world.robot, in: {command: go.twist}}\n  other: {use: probe.trouble, in: {image: world.image}}"
+    )
     text = graph_of(tmp_path, world if "both" in more else "")
     text = text.replace("\n  guard:", f"\n  {more}\n  guard:") if "both" in more else text + more
     with pytest.raises(UserError, match=what.replace("(", r"\(").replace(")", r"\)")):
@@ -145,7 +148,21 @@ def test_with_processes_a_camera_stays_in_that_of_the_run(load: Callable[[str], 
 
 
 def test_a_study_with_a_camera_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["ablate", "camera_flow", "--set", f"camera.device={tmp_path}", "--vary", "plane=plane.affine", "--seeds", "0:2"]) == 2
+    assert (
+        main(
+            [
+                "ablate",
+                "camera_flow",
+                "--set",
+                f"camera.device={tmp_path}",
+                "--vary",
+                "plane=plane.affine",
+                "--seeds",
+                "0:2",
+            ]
+        )
+        == 2
+    )
     assert "stage 'camera' (io.camera) takes what a device delivers, but a study runs in simulated time" in (
         capsys.readouterr().err
     )

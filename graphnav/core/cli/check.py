@@ -93,7 +93,12 @@ def _outside(graph: Graph) -> str:
     logs = dict.fromkeys(given.log.name for given in graph.inputs.values() if given.log is not None)
     sent = [f"{output.name}{' (motor)' if output.motor else ''}" for output in graph.outputs.values()]
     devices = [node.name for node in graph.nodes if node.is_live_source]
-    parts = (("it takes what devices deliver to", devices), ("it listens to", heard), ("it plays", logs), ("it sends", sent))
+    parts = (
+        ("it takes what devices deliver to", devices),
+        ("it listens to", heard),
+        ("it plays", logs),
+        ("it sends", sent),
+    )
     return ", ".join(f"{verb} {', '.join(names)}" for verb, names in parts if names)
 
 

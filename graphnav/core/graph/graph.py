@@ -67,7 +67,9 @@ class Graph:
     def with_processes(self) -> Graph:
         """Return the graph with a process of its own for each stage that ``deploy`` does not name and may have one."""
         parts = dict(self.deploy)
-        homeless = {node.name for node in self.nodes if not node.is_live_source}.difference(*(part.stages for part in parts.values()))
+        homeless = {node.name for node in self.nodes if not node.is_live_source}.difference(
+            *(part.stages for part in parts.values())
+        )
         for node in self.nodes:
             if node.name in homeless:
                 name = node.name if node.name not in parts else f"{node.name}_alone"

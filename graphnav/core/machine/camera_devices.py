@@ -24,7 +24,7 @@ _FORMAT = struct.Struct("=III32sI16x")
 _SIZE = struct.Struct("=III6I8x")
 """struct v4l2_frmsizeenum: index, pixel_format, type; width, height, or least, most and step of both."""
 _INTERVAL = struct.Struct("=IIIII6I8x")
-"""struct v4l2_frmivalenum: index, pixel_format, width, height, type; seconds as fractions: one, or least, most, step."""
+"""struct v4l2_frmivalenum: index, pixel_format, width, height, type; fractions, s: one, or least, most, step."""
 _HAS_DEVICE_CAPS, _CAPTURE, _CAPTURE_PLANES = 0x80000000, 0x1, 0x1000
 _BUFFER_CAPTURE, _BUFFER_CAPTURE_PLANES = 1, 9
 _DISCRETE = 1
@@ -67,8 +67,8 @@ def cameras(
 ) -> list[CameraDevice]:
     """Return the cameras of this machine by the numbers of their devices; none on a system other than Linux.
 
-    A camera often has several devices; those that deliver no pictures, such as metadata, are left out. A device is opened
-    to be asked, which disturbs no program that uses it. ``modes``: ask for these too, some milliseconds each.
+    A camera often has several devices; those that deliver no pictures, such as metadata, are left out. A device is
+    opened to be asked, which disturbs no program that uses it. ``modes``: ask for these too, some milliseconds each.
     ``system``, ``devices``, ``ioctl``: in place of those of Linux.
     """
     found = []

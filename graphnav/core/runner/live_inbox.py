@@ -123,7 +123,7 @@ class LiveInbox:
         return self.take_no_set(now_s, birth_s=now_s, origin_s=math.nan)
 
     def take_no_set(self, now_s: float, birth_s: float, origin_s: float) -> Taken:
-        """Return what the stage steps with where no new set fires it; ``birth_s``, ``origin_s``: those of its outputs."""
+        """Return what the stage steps with where no new set fires it; ``birth_s``, ``origin_s``: of its outputs."""
         self.birth_s, self.origin_s = birth_s, origin_s
         return self._take(now_s)
 

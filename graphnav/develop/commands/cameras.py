@@ -21,8 +21,8 @@ examples:
 """
 _TRY = """\
 no camera is connected: there is no device with pictures in /dev/video*
-  plug one in and look at 'dmesg'; in a virtual machine or a container pass the device on (docker run --device /dev/video0)
-  a phone or a network camera works by its URL: graphnav run camera_flow --set camera.device=http://192.168.1.20:8080/video
+  plug one in and look at 'dmesg'; a container or a virtual machine needs it passed on (docker run --device /dev/video0)
+  a phone or a network camera works by its URL: graphnav run camera_flow --set camera.device=http://10.0.0.5:8080/video
   without a camera, play a video as one: graphnav run camera_flow --set camera.device=clip.mp4"""
 
 

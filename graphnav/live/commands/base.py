@@ -20,9 +20,7 @@ nothing is written when this program is killed, or the cable is pulled.
 
 @command(
     Parameter("port", metavar="DEVICE", help="the serial line, such as /dev/ttyUSB0"),
-    Parameter(
-        "baud", "--baud", type=COUNT, default=115200, metavar="N", help="bits per second (default: %(default)s)"
-    ),
+    Parameter("baud", "--baud", type=COUNT, default=115200, metavar="N", help="bits per second (default: %(default)s)"),
     Parameter(
         "channel",
         "--channel",

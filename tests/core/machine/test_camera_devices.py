@@ -8,6 +8,7 @@ import json
 import os
 from ctypes import c_char, c_uint32
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
@@ -74,8 +75,8 @@ class Driver:
     """Answers as a webcam does; its second device has metadata alone, its third sizes by steps."""
 
     FORMATS = ((b"Motion-JPEG", b"MJPG"), (b"YUYV 4:2:2", b"YUYV"))
-    SIZES = {b"MJPG": [HD, SMALL], b"YUYV": [SMALL]}
-    RATES = {HD: [(1, 30)], SMALL: [(1, 30), (2, 15)]}
+    SIZES: ClassVar = {b"MJPG": [HD, SMALL], b"YUYV": [SMALL]}
+    RATES: ClassVar = {HD: [(1, 30)], SMALL: [(1, 30), (2, 15)]}
 
     def __init__(self, devices: Path) -> None:
         self._devices = devices
@@ -194,7 +195,7 @@ def test_the_command_lists_cameras(
 def test_the_command_says_what_to_try_without_a_camera(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("graphnav.cameras", lambda: [])
+    monkeypatch.setattr("graphnav.cameras", list)
     assert main(["cameras"]) == 1
     out = capsys.readouterr().out
     assert out.startswith("no camera is connected: there is no device with pictures in /dev/video*\n")

@@ -11,6 +11,7 @@ import threading
 import time
 import tty
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -54,10 +55,8 @@ class Base:
 
     def lines(self) -> list[bytes]:
         """Return the complete lines that have come since the line was plugged in."""
-        try:
+        with suppress(OSError):  # nothing, or the other end is closed
             self.read += os.read(self._fd, 65536)
-        except OSError:  # nothing, or the other end is closed
-            pass
         return self.read.split(b"\n")[:-1]
 
     def say(self, data: bytes) -> None:

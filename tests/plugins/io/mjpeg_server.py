@@ -1,4 +1,4 @@
-"""Serve a picture as motion JPEG for ever: python mjpeg_server.py PORT PICTURE.jpg; port 0 takes a free one, and tells it."""
+"""Serve a picture as motion JPEG for ever: python mjpeg_server.py PORT PICTURE.jpg; port 0 is any, which it prints."""
 
 import sys
 import time
@@ -21,7 +21,7 @@ class Stream(BaseHTTPRequestHandler):
         except OSError:  # it has gone
             return
 
-    def log_message(self, format: str, *args: object) -> None:
+    def log_message(self, *_: object) -> None:
         """Stay silent."""
 
 

@@ -208,8 +208,16 @@ def test_a_network_camera_that_dies_is_opened_again_when_it_is_back(
         ("97", "there is no camera /dev/video97", "this machine has "),
         ("/dev/null", "/dev/null is not a camera", "give a camera's number"),
         ("http://127.0.0.1:9/a", "http://127.0.0.1:9/a cannot be opened", ""),
-        ("no such", "there is no camera, file or URL 'no such'", "this machine has no camera; 'graphnav cameras' lists"),
-        (f"{PIPELINE}v4l2src ! appsink", "this OpenCV has no GStreamer, so that it cannot open a pipeline", "give a ca"),
+        (
+            "no such",
+            "there is no camera, file or URL 'no such'",
+            "this machine has no camera; 'graphnav cameras' lists",
+        ),
+        (
+            f"{PIPELINE}v4l2src ! appsink",
+            "this OpenCV has no GStreamer, so that it cannot open a pipeline",
+            "give a ca",
+        ),
     ],
 )
 def test_what_is_not_a_camera_is_refused_in_one_line(

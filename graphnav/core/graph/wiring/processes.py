@@ -18,7 +18,9 @@ def parts_of(spec: Spec, classes: Mapping[str, type[Stage]], problems: list[Prob
         keys = part.keys
         for stage, place in part.stages:
             if stage in classes and issubclass(classes[stage], LiveSource):
-                what = f"the process '{name}' names stage '{stage}' ({spec.stages[stage].use}), which takes what a device"
+                what = (
+                    f"the process '{name}' names stage '{stage}' ({spec.stages[stage].use}), which takes what a device"
+                )
                 problems.append(Problem(place, f"{what} delivers: it lives in the process of the run", "remove it"))
             elif stage in spec.stages and stage not in homes:
                 homes[stage] = name
