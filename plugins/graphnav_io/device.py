@@ -17,7 +17,6 @@ from graphnav_io.capture import FASTEST_HZ, check_camera, is_camera, is_stream, 
 from graphnav_io.frames import Frames
 from graphnav_io.picture_size import check_pixels
 from graphnav_io.pictures import PictureFrames, find_pictures, is_pictures
-from graphnav_io.quiet import quiet_ffmpeg
 
 PIPELINE = "gst://"
 PICTURES_HZ = 10.0
@@ -175,11 +174,9 @@ class _Played:
 
 
 class _Capture:
-    """A camera, stream, pipe or pipeline by OpenCV. Nothing here may silence standard error: `read` waits for long."""
+    """A camera, stream, pipe or pipeline by OpenCV."""
 
     def __init__(self, device: Device, wanted: Wanted) -> None:
-        quiet_ffmpeg()
-        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
         self._device = device
         self._has_stamps = device.kind == "camera"
         try:

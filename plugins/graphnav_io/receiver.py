@@ -13,6 +13,7 @@ from graphnav.arrays import Bytes
 from graphnav_io.capture import interruptible
 from graphnav_io.device import Device, OpenDevice, Wanted, open_device
 from graphnav_io.driver_clock import DriverClock
+from graphnav_io.quiet import quiet_beside
 
 RETRY_S = 1.0
 """Between two attempts to open a device that is gone."""
@@ -52,7 +53,7 @@ class PictureReceiver:
         self._shape: tuple[int, ...] | None = None
         """Of the pictures that were told of last."""
         try:
-            opened = interruptible(lambda: open_device(device, wanted), wanted.timeout_s + _MARGIN_S)
+            opened = interruptible(self._opened, wanted.timeout_s + _MARGIN_S)
         except TimeoutError:
             what = f"{device.name} was not open after {wanted.timeout_s:g} s"
             raise ParamError("device", what, "start what writes to it, or set 'timeout_s'") from None
@@ -74,7 +75,12 @@ class PictureReceiver:
         self._ending.set()
         self._thread.join(_CLOSE_S)
 
+    def _opened(self) -> OpenDevice:
+        quiet_beside()
+        return open_device(self._device, self._wanted)
+
     def _serve(self, opened: OpenDevice | None) -> None:
+        quiet_beside()
         while not self._ending.is_set():
             if opened is None:
                 opened = self._reopened()
@@ -98,7 +104,7 @@ class PictureReceiver:
         if self._ending.wait(RETRY_S):
             return None
         try:
-            opened = open_device(self._device, self._wanted)
+            opened = self._opened()
         except ParamError:
             return None
         self.reopened += 1
