@@ -16,7 +16,7 @@ from graphnav import import_extra
 OPEN = frozenset(
     {
         *("navigate_live", "navigate_recorded", "navigate_robot", "robot_live", "teach_live", "teach_recorded"),
-        *("video_plane", "video_prior"),
+        *("camera_flow", "video_plane", "video_prior"),
     }
 )
 """Graphs without a simulated world that a command moves."""

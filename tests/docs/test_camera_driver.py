@@ -84,3 +84,16 @@ def test_a_camera_in_c_with_a_zeroed_struct_is_used(example: Path, group: str) -
     (camera,) = summary["live"]["inputs"]
     assert camera["accepted"] > 3
     assert camera["rejected"] == []
+
+
+@pytest.mark.long
+def test_a_camera_of_graphnav_takes_the_place_of_the_driver(example: Path, group: str) -> None:
+    script = (
+        "graphnav run camera.yaml --set camera.device=frames --no-tap --no-pictures -o sent & sent=$!\n"
+        "graphnav run graph.yaml --until 3 --no-tap --no-pictures -o taken\n"
+        "kill -INT $sent\nwait\n"
+    )
+    shell(script, example, group)
+    (camera,) = json.loads((example / "taken" / "summary.json").read_text())["live"]["inputs"]
+    assert camera["accepted"] > 3
+    assert camera["rejected"] == []

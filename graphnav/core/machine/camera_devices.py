@@ -10,7 +10,7 @@ import struct
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 if sys.platform != "win32":
     import fcntl
@@ -138,7 +138,7 @@ def _rates_hz(ioctl: Ioctl, fd: int, code: int, cols: int, rows: int) -> tuple[f
 
 def _listed(
     ioctl: Ioctl, fd: int, request: int, layout: struct.Struct, rest: tuple[object, ...]
-) -> Iterator[tuple[int, ...]]:
+) -> Iterator[tuple[Any, ...]]:
     """Yield what a device lists, until it refuses an index."""
     for index in range(_MAX_ENTRIES):
         argument = bytearray(layout.pack(index, *rest))
