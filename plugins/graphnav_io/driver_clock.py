@@ -7,11 +7,12 @@ import time
 from collections.abc import Callable
 
 MAX_DELAY_S = 2.0
-"""A driver's stamp that is further in the past is of another clock, or of a picture that was kept."""
+"""A driver's first stamp that is further in the past is of another clock."""
 MAX_AHEAD_S = 0.005
 """Stamps are rounded, and the time of arrival is read after the picture has come."""
 MIN_STEP_S = 2e-6
 """Between two pictures: stamps are microseconds."""
+ARRIVAL, MONOTONIC, WALL = "the time of arrival", "the driver", "the driver, by the time of day"
 
 
 class DriverClock:
@@ -19,7 +20,8 @@ class DriverClock:
 
     V4L2 stamps the buffer of a picture by the monotonic clock when it is filled, some drivers by the time of day. A
     stamp that neither clock could have given counts as missing: then it is the time of arrival, which is later than the
-    picture by what exposure, transfer and driver took.
+    picture by what exposure, transfer and driver took. A picture that waited for long in a buffer, because this process
+    was suspended, is as old as its stamp.
     """
 
     def __init__(self, wall_s: Callable[[], float] = time.time) -> None:
@@ -29,6 +31,10 @@ class DriverClock:
         self._last_s = -math.inf
         self._driver_s = math.nan
 
+    def begin(self) -> None:
+        """Forget which clock it was: the device is another one, perhaps."""
+        self.kind = ""
+
     def is_repeated(self, driver_s: float) -> bool:
         """Whether a picture has the stamp of the one before: the same buffer again, and not a new picture."""
         return driver_s > 0.0 and driver_s == self._driver_s
@@ -36,14 +42,11 @@ class DriverClock:
     def taken_s(self, driver_s: float, arrived_s: float) -> float:
         """Return when a picture was taken that arrived at ``arrived_s``; ``driver_s``: the driver's stamp, 0: none."""
         self._driver_s = driver_s
-        taken_s, self.kind = arrived_s, "the time of arrival"
-        if driver_s > 0.0 and _is_plausible(arrived_s - driver_s):
-            taken_s, self.kind = min(driver_s, arrived_s), "the driver"
-        elif driver_s > 0.0 and _is_plausible(delay_s := self._wall_s() - driver_s):
-            taken_s, self.kind = arrived_s - max(0.0, delay_s), "the driver, by the time of day"
+        oldest_s = math.inf if self.kind == MONOTONIC else MAX_DELAY_S
+        taken_s, self.kind = arrived_s, ARRIVAL
+        if driver_s > 0.0 and -MAX_AHEAD_S <= arrived_s - driver_s <= oldest_s:
+            taken_s, self.kind = min(driver_s, arrived_s), MONOTONIC
+        elif driver_s > 0.0 and -MAX_AHEAD_S <= (delay_s := self._wall_s() - driver_s) <= MAX_DELAY_S:
+            taken_s, self.kind = arrived_s - max(0.0, delay_s), WALL
         self._last_s = max(taken_s, self._last_s + MIN_STEP_S)
         return self._last_s
-
-
-def _is_plausible(delay_s: float) -> bool:
-    return -MAX_AHEAD_S <= delay_s <= MAX_DELAY_S

@@ -109,6 +109,7 @@ class PictureReceiver:
             return None
         self.reopened += 1
         self._shape = None  # tell what it is now
+        self._clock.begin()
         return opened
 
     def _receive(self, opened: OpenDevice) -> str:

@@ -274,6 +274,14 @@ def test_the_stamps_of_a_driver_are_used_where_a_clock_gave_them() -> None:
         assert clock.kind == "the time of arrival"
 
 
+def test_a_picture_that_waited_in_a_buffer_is_as_old_as_its_stamp() -> None:
+    clock = DriverClock()
+    clock.taken_s(99.97, 100.0)
+    assert clock.taken_s(100.0, 130.0) == 100.0
+    clock.begin()
+    assert clock.taken_s(101.0, 130.1) == 130.1
+
+
 def test_stamps_increase_and_a_repeated_buffer_is_noticed() -> None:
     clock = DriverClock()
     first = clock.taken_s(99.9, 100.0)
