@@ -31,7 +31,7 @@ LIST = "'graphnav cameras' lists them"
 
 
 class Device(NamedTuple):
-    """What a camera's parameter names."""
+    """A source of pictures that a camera's parameter names."""
 
     kind: Literal["camera", "stream", "pipe", "pipeline", "file", "pictures"]
     source: str
@@ -46,7 +46,7 @@ class Device(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """What to ask a camera for; None and 0 leave the choice to the camera. ``timeout_s``: of streams."""
+    """Wishes to a camera; None and 0 leave the choice to it. ``timeout_s``: of streams."""
 
     size: tuple[int, int] | None
     rate_hz: float
@@ -61,7 +61,7 @@ class OpenDevice(Protocol):
     rate_hz: float
     """0: not known."""
     told: Sequence[str]
-    """What it did not do as asked."""
+    """Differences between the device and the wishes, a line each."""
 
     def read(self) -> tuple[Bytes, float] | None:
         """Return the next picture, red-green-blue, and the driver's stamp in seconds (0: none); None: there is none.

@@ -26,7 +26,7 @@ class DriverClock:
 
     def __init__(self, wall_s: Callable[[], float] = time.time) -> None:
         self.kind = ""
-        """What the newest picture was stamped by, in words; empty before the first one."""
+        """In words, by which clock the newest picture was stamped; empty before the first one."""
         self._wall_s = wall_s
         self._last_s = -math.inf
         self._driver_s = math.nan

@@ -56,7 +56,7 @@ class Graph:
 
     @property
     def arriving(self) -> tuple[str, ...]:
-        """What makes it live: inputs, by reference, and stages that take what comes from outside, by name."""
+        """Inputs, by reference, and stages that take what a device delivers, by name: they make it live."""
         return (*self.inputs, *(node.name for node in self.nodes if node.is_live_source))
 
     @property
