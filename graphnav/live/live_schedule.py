@@ -7,7 +7,7 @@ import threading
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
-from graphnav import Graph, GuardState, Message, Stage
+from graphnav import Graph, GuardState, LiveSource, Message, Stage
 from graphnav.core.codec import encode
 from graphnav.core.errors import StageError
 from graphnav.core.graph import Channel, Node
@@ -28,7 +28,7 @@ from graphnav.core.runner import (
     Unit,
     decoded,
 )
-from graphnav.core.stage import LiveSource, Port, tell_wake
+from graphnav.core.stage import Port, tell_wake
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.intake import Intake, Received
 from graphnav.live.outlet import Outlet

@@ -187,7 +187,7 @@ class _Capture:
         if not is_open:
             hint = "another program may use it" if device.kind == "camera" else ""
             raise ParamError("device", f"{device.name} cannot be opened", hint)
-        self.told = tuple(self._configured(wanted)) if device.kind == "camera" else ()
+        self.told: Sequence[str] = tuple(self._configured(wanted)) if device.kind == "camera" else ()
         rate_hz = self._capture.get(cv2.CAP_PROP_FPS)
         is_known = device.kind == "camera" and math.isfinite(rate_hz) and 0 < rate_hz <= FASTEST_HZ
         self.rate_hz = rate_hz if is_known else 0.0

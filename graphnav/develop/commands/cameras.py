@@ -10,7 +10,7 @@ from graphnav.core.cli import CommandArguments, Exit, Options
 from graphnav.core.parameters import command
 
 if TYPE_CHECKING:
-    from graphnav.core.machine import CameraDevice
+    from graphnav import CameraDevice
     from graphnav.core.tables import Table
 
 _EXAMPLES = """\

@@ -164,9 +164,16 @@ def test_a_cable_that_is_pulled_is_told_and_the_line_opened_again(base: Base, ru
 
 
 def test_a_base_that_does_not_read_holds_nothing_up_and_gets_the_newest(base: Base, group: str) -> None:
-    bus, sender = Bus(group), Bus(group)
+    bus, sender, told = Bus(group), Bus(group), list[str]()
     bridge = BaseBridge(
-        bus, "BASE_CMD", str(base.link), 115200, CommandLine("{v_mps:.3f}" + 3000 * " ", None, None), 9.0, None, str
+        bus,
+        "BASE_CMD",
+        str(base.link),
+        115200,
+        CommandLine("{v_mps:.3f}" + 3000 * " ", None, None),
+        9.0,
+        None,
+        told.append,
     )
     try:
         bridge.turn(0.0)
@@ -191,8 +198,8 @@ def test_a_base_that_does_not_read_holds_nothing_up_and_gets_the_newest(base: Ba
 
 
 def test_after_a_suspension_what_came_meanwhile_is_not_obeyed(base: Base, group: str) -> None:
-    bus, sender = Bus(group), Bus(group)
-    bridge = BaseBridge(bus, "BASE_CMD", str(base.link), 115200, CommandLine(PLAIN, None, None), 0.1, None, str)
+    bus, sender, told = Bus(group), Bus(group), list[str]()
+    bridge = BaseBridge(bus, "BASE_CMD", str(base.link), 115200, CommandLine(PLAIN, None, None), 0.1, None, told.append)
     try:
         bridge.turn(0.0)
         sender.publish("BASE_CMD", encode(Twist(v_mps=0.5, omega_radps=0.0), 0, 0))

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -63,7 +64,7 @@ def watched() -> Iterator[Callable[..., Watched]]:
     """Return a function that opens a camera with parameters."""
     made: list[Watched] = []
 
-    def make(**params: object) -> Watched:
+    def make(**params: Any) -> Watched:
         made.append(Watched(Camera(**params)))
         return made[-1]
 
