@@ -105,7 +105,8 @@ def test_a_camera_that_stalls_stops_the_base_and_not_the_run(
     _, recording = run.stop()
     writer.join(PATIENCE_S)
     with recording:
-        causes = {cause for _, _, state in recording.messages("guard.state") for cause in state.causes}
+        states = [state for _, _, state in recording.messages("guard.state") if isinstance(state, GuardState)]
+        causes = {cause for state in states for cause in state.causes}
     assert "stale" in causes
 
 
