@@ -58,10 +58,10 @@ class Camera(Prepared, LiveSource):
         doc="four letters as 'graphnav cameras' lists them, such as MJPG, which large pictures need on USB 2; null: "
         "what OpenCV takes first",
     )
-    exposure_ms: float | None = param(
+    exposure_s: float | None = param(
         None,
         gt=0.0,
-        le=1000.0,
+        le=1.0,
         doc="exposure of a camera; a short one keeps moving pictures sharp; null: automatic",
     )
     timeout_s: float = param(
@@ -82,7 +82,7 @@ class Camera(Prepared, LiveSource):
         self._preparation = self.preparation()
         self._picture: Picture | None = None
         self._n_pictures = self._n_replaced = 0
-        wanted = Wanted(self.camera_size, self.rate_hz, self.pixel_format, self.exposure_ms, self.timeout_s)
+        wanted = Wanted(self.camera_size, self.rate_hz, self.pixel_format, self.exposure_s, self.timeout_s)
         self._receiver: PictureReceiver | None = PictureReceiver(find_device(self.device), wanted, self.wake)
 
     def arrived_s(self) -> float | None:

@@ -22,7 +22,7 @@ PIPELINE = "gst://"
 PICTURES_HZ = 10.0
 AUTOMATIC, MANUAL = 3.0, 1.0
 """Exposure of V4L2: the camera chooses it at its aperture, and a given one."""
-PER_MS = 10.0
+PER_S = 10_000.0
 """V4L2 counts exposure in units of 0.1 ms."""
 BUFFERS = 2
 """The one that OpenCV holds and the one that the driver fills: with one alone every other picture would be missed, and
@@ -51,7 +51,7 @@ class Wanted(NamedTuple):
     size: tuple[int, int] | None
     rate_hz: float
     pixel_format: str | None
-    exposure_ms: float | None
+    exposure_s: float | None
     timeout_s: float
 
 
@@ -226,11 +226,11 @@ class _Capture:
             given_hz = capture.get(cv2.CAP_PROP_FPS)
             is_given = not given_hz or abs(given_hz - wanted.rate_hz) < 0.5
             told += [] if is_given else [f"it gives {given_hz:g} Hz, not {wanted.rate_hz:g}"]
-        if wanted.exposure_ms is None:
+        if wanted.exposure_s is None:
             capture.set(cv2.CAP_PROP_AUTO_EXPOSURE, AUTOMATIC)
         elif not (
             capture.set(cv2.CAP_PROP_AUTO_EXPOSURE, MANUAL)
-            and capture.set(cv2.CAP_PROP_EXPOSURE, max(1.0, round(PER_MS * wanted.exposure_ms)))
+            and capture.set(cv2.CAP_PROP_EXPOSURE, max(1.0, round(PER_S * wanted.exposure_s)))
         ):
             told.append("it takes no exposure")
         return told
