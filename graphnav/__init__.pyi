@@ -26,6 +26,33 @@ from .core.api.logs.log import (
     open_log as open_log,
 )
 from .core.api.run import run as run
+from .core.camera_calibration import (
+    CalibrationBoard as CalibrationBoard,
+)
+from .core.camera_calibration import (
+    CalibrationTask as CalibrationTask,
+)
+from .core.camera_calibration import (
+    CameraCalibration as CameraCalibration,
+)
+from .core.camera_calibration import (
+    Estimate as Estimate,
+)
+from .core.camera_calibration import (
+    FloorPicture as FloorPicture,
+)
+from .core.camera_calibration import (
+    BoardPicture as BoardPicture,
+)
+from .core.camera_calibration import (
+    LensFit as LensFit,
+)
+from .core.camera_calibration import (
+    CameraMounting as CameraMounting,
+)
+from .core.camera_calibration import (
+    PreparedCamera as PreparedCamera,
+)
 from .core.codec import messages_by_name as messages_by_name
 from .core.continuity import Continuity as Continuity
 from .core.drawing import (
@@ -248,6 +275,7 @@ from .core.stage import (
 from .core.stage import (
     param as param,
 )
+from .develop.calibrate_function import calibrate as calibrate
 from .develop.profile_function import profile as profile
 from .develop.profiling import Profile as Profile
 from .learning.make_env import make_env as make_env

@@ -13,6 +13,7 @@ from graphnav.core.adapter import Adapter
 from graphnav.core.stage import Stage
 
 if TYPE_CHECKING:
+    from graphnav.core.camera_calibration import CalibrationBoard, CalibrationTask, CameraCalibration
     from graphnav.core.drawing import PictureContext, VideoFrames
     from graphnav.core.messages import Message
     from graphnav.core.record import Recording
@@ -137,4 +138,22 @@ def graphnav_write_video(frames: VideoFrames, file: Path) -> Path | None:
     """Write frames as a video; the suffix of ``file`` determines its format. Return ``file``.
 
     Raise UserError if this machine cannot write the format, OSError if writing fails.
+    """
+
+
+@hookspec(firstresult=True)
+def graphnav_calibrate(task: CalibrationTask) -> CameraCalibration | None:
+    """Calibrate a camera from pictures of a board; the first result that is not None is used.
+
+    Every picture is judged, and the contact sheet ``task.sheet`` written, also where there is no calibration: then the
+    result holds the problem. Raise UserError for what cannot be read or written.
+    """
+
+
+@hookspec(firstresult=True)
+def graphnav_print_board(board: CalibrationBoard, file: Path) -> tuple[float, float] | None:
+    """Write a calibration board to be printed without scaling; return width and height of the page, metres.
+
+    The suffix of ``file`` determines its format: ``.png`` or ``.pdf``. Raise UserError for a board that cannot be
+    made, or a file that cannot be written.
     """

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from graphnav import Stage, hookimpl
+from pathlib import Path
+
+from graphnav import CalibrationBoard, CalibrationTask, CameraCalibration, Stage, hookimpl
 
 
 @hookimpl

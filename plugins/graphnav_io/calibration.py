@@ -13,7 +13,7 @@ from graphnav import ParamError, read_regular
 from graphnav.arrays import Doubles
 from graphnav_io.quiet import quiet
 
-CALIBRATE = "calibrate the camera with OpenCV or ROS camera_calibration, and give the YAML file that it writes"
+CALIBRATE = "calibrate the camera with graphnav calibrate, OpenCV or ROS, and give the YAML file that it writes"
 FISHEYE = ("equidistant", "fisheye")
 PINHOLE = ("plumb_bob", "rational_polynomial", "pinhole")
 NEEDED = ("image_width", "image_height", "camera_matrix", "distortion_coefficients")
@@ -28,6 +28,8 @@ class Calibration(NamedTuple):
     """The intrinsic parameters of a camera.
 
     ``camera``: (3, 3), focal lengths and principal point in pixels. ``distortion``: (n,), in OpenCV's order.
+    ``rectification``: (3, 3), the rotation to the camera of the rectified picture, ``projection``: (3, 3), its camera
+    matrix; None where the file has none.
     """
 
     path: Path
@@ -36,6 +38,8 @@ class Calibration(NamedTuple):
     camera: Doubles
     distortion: Doubles
     is_fisheye: bool
+    rectification: Doubles | None = None
+    projection: Doubles | None = None
 
     def check_size(self, rows: int, cols: int) -> None:
         """Raise ParamError unless a picture has the size that was calibrated."""
@@ -46,10 +50,16 @@ class Calibration(NamedTuple):
                 "calibrate at the size that the camera sends; 'size' resizes later",
             )
 
-    def maps(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
-        """Return column and row of the distorted picture for every pixel of the undistorted one, each (rows, cols)."""
+    def maps(self, *, rectify: bool) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+        """Return column and row of the distorted picture for every pixel of the undistorted one, each (rows, cols).
+
+        ``rectify``: the undistorted picture is that of ``projection`` after ``rectification``, else that of the same
+        focal length and centre.
+        """
+        turn, camera = (self.rectification, self.projection) if rectify else (np.eye(3), self.camera)
         make = cv2.fisheye.initUndistortRectifyMap if self.is_fisheye else cv2.initUndistortRectifyMap
-        x, y = make(self.camera, self.distortion, np.eye(3), self.camera, (self.cols, self.rows), cv2.CV_32FC1)
+        assert turn is not None and camera is not None, "checked when the file is read"
+        x, y = make(self.camera, self.distortion, turn, camera, (self.cols, self.rows), cv2.CV_32FC1)
         return np.asarray(x, np.float32), np.asarray(y, np.float32)
 
 
@@ -75,7 +85,45 @@ def read_calibration(path: Path) -> Calibration:
         kind, counts = ("fisheye", "4") if is_fisheye else ("pinhole", "4, 5, 8, 12 or 14")
         what = f"'distortion_coefficients' has {distortion.size} numbers, but a {kind} camera has {counts}"
         raise _fault(path, what, "check 'distortion_model': plumb_bob, rational_polynomial or equidistant")
-    return Calibration(path, rows, cols, camera.reshape(3, 3), distortion, is_fisheye)
+    return Calibration(path, rows, cols, camera.reshape(3, 3), distortion, is_fisheye, *_rectified(path, file))
+
+
+def check_rectified(calibration: Calibration) -> None:
+    """Raise ParamError unless the file says how the rectified picture is made."""
+    if calibration.rectification is None or calibration.projection is None:
+        what = f"'{calibration.path}' has no 'rectification_matrix' and 'projection_matrix'"
+        raise ParamError("rectify", what, "calibrate with graphnav calibrate, or set rectify: false")
+
+
+def calibration_text(
+    rows: int,
+    cols: int,
+    camera: Doubles,
+    distortion: Doubles,
+    rectification: Doubles,
+    projection: Doubles,
+    *,
+    is_fisheye: bool,
+) -> str:
+    """Return the YAML of ROS camera_info, which `read_calibration` reads; parameters as `Calibration` has them."""
+    matrices = {
+        "camera_matrix": camera,
+        "distortion_coefficients": distortion.reshape(1, -1),
+        "rectification_matrix": rectification,
+        "projection_matrix": np.column_stack([projection, np.zeros(3)]),
+    }
+    lines = [
+        "%YAML:1.0",
+        "---",
+        f"image_width: {cols}",
+        f"image_height: {rows}",
+        "camera_name: camera",
+        f"distortion_model: {'equidistant' if is_fisheye else 'plumb_bob'}",
+    ]
+    for name, matrix in matrices.items():
+        numbers = ", ".join(f"{value:.10g}" for value in matrix.ravel().tolist())
+        lines += [f"{name}:", f"  rows: {matrix.shape[0]}", f"  cols: {matrix.shape[1]}", f"  data: [{numbers}]"]
+    return "\n".join(lines) + "\n"
 
 
 def _read(path: Path) -> cv2.FileStorage:
@@ -94,6 +142,18 @@ def _read(path: Path) -> cv2.FileStorage:
     if not file.isOpened() or not file.root().isMap():
         raise _fault(path, "it holds no calibration", CALIBRATE)
     return file
+
+
+def _rectified(path: Path, file: cv2.FileStorage) -> tuple[Doubles | None, Doubles | None]:
+    """Return the rotation to the rectified picture and its camera matrix, None without one."""
+    if file.getNode("rectification_matrix").empty() or file.getNode("projection_matrix").empty():
+        return None, None
+    turn, projection = (_numbers(path, file, key) for key in ("rectification_matrix", "projection_matrix"))
+    if turn.size != 9 or not np.allclose(turn.reshape(3, 3) @ turn.reshape(3, 3).T, np.eye(3), atol=1e-3):
+        raise _fault(path, "'rectification_matrix' is not a 3x3 rotation", CALIBRATE)
+    if projection.size != 12 or projection[0] <= 0 or projection[5] <= 0:
+        raise _fault(path, "'projection_matrix' is not a 3x4 matrix with positive focal lengths", CALIBRATE)
+    return turn.reshape(3, 3), projection.reshape(3, 4)[:, :3]
 
 
 def _is_fisheye(path: Path, file: cv2.FileStorage) -> bool:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from graphnav import ParamError, Stage, param
 from graphnav.arrays import Bytes
-from graphnav_io.calibration import Calibration, read_calibration
+from graphnav_io.calibration import Calibration, check_rectified, read_calibration
 from graphnav_io.picture_size import MAX_PIXELS
 
 Rotation = Literal[0, 90, 180, 270]
@@ -26,6 +26,11 @@ class Prepared(Stage):
         None,
         doc="calibration of the camera (YAML of cv2.FileStorage or ROS camera_info): pictures are undistorted first, "
         "with the same focal length and centre; pixels that the camera does not see become black; null keeps the lens",
+    )
+    rectify: bool = param(
+        False,
+        doc="undistort to the picture of the calibration's projection_matrix after its rectification_matrix; those that "
+        "graphnav calibrate writes make the camera level, its optical axis in the middle and its pixels square",
     )
     rotate_deg: Rotation = param(0, doc="rotation of the undistorted picture, counterclockwise")
     crop_px: tuple[int, int, int, int] | None = param(
@@ -72,11 +77,10 @@ class Prepared(Stage):
             if box is not None and (box[0] >= box[2] or box[1] >= box[3]):
                 what = f"'{name}' is {list(box)}, which is empty"
                 yield ParamError(name, what, "give left < right and top < bottom, in this order")
-        if self.calibration is not None:
-            try:
-                read_calibration(self.calibration)
-            except ParamError as error:
-                yield error
+        try:
+            self._read()
+        except ParamError as error:
+            yield error
 
     def check_picture(self, pixels: Bytes) -> None:
         """Check that the parameters fit a picture of the camera, before the run.
@@ -97,8 +101,18 @@ class Prepared(Stage):
         return Preparation(self._remap(), self.size, self.scale, gray=self.gray)
 
     def _remap(self) -> Remap:
-        calibration = None if self.calibration is None else read_calibration(self.calibration)
-        return Remap(calibration, self.rotate_deg, self.crop_px, self.crop_ratio, self.crop_top_ratio)
+        return Remap(self._read(), self.rectify, self.rotate_deg, self.crop_px, self.crop_ratio, self.crop_top_ratio)
+
+
+    def _read(self) -> Calibration | None:
+        if self.calibration is None:
+            if self.rectify:
+                raise ParamError("rectify", "'rectify' is true, but there is no calibration", "give 'calibration'")
+            return None
+        calibration = read_calibration(self.calibration)
+        if self.rectify:
+            check_rectified(calibration)
+        return calibration
 
 
 class Preparation:
@@ -149,12 +163,13 @@ class Remap:
     def __init__(
         self,
         calibration: Calibration | None,
+        rectify: bool,  # noqa: FBT001 - as the parameter
         rotate_deg: int,
         crop_px: tuple[int, int, int, int] | None,
         crop_ratio: tuple[float, float, float, float] | None,
         crop_top_ratio: float,
     ) -> None:
-        self._calibration, self._turns = calibration, rotate_deg // 90
+        self._calibration, self._rectify, self._turns = calibration, rectify, rotate_deg // 90
         self._crop_px, self._crop_ratio, self._crop_top_ratio = crop_px, crop_ratio, crop_top_ratio
         self._maps: Maps | None = None
 
@@ -173,7 +188,7 @@ class Remap:
             return np.ascontiguousarray(self._moved(pixels))
         self._calibration.check_size(*pixels.shape[:2])
         if self._maps is None:
-            x, y = self._calibration.maps()
+            x, y = self._calibration.maps(rectify=self._rectify)
             self._maps = np.ascontiguousarray(self._moved(x)), np.ascontiguousarray(self._moved(y))
         return np.asarray(cv2.remap(pixels, *self._maps, cv2.INTER_LINEAR), np.uint8)
 
