@@ -27,6 +27,9 @@ from .core.api.logs.log import (
 )
 from .core.api.run import run as run
 from .core.camera_calibration import (
+    BoardPicture as BoardPicture,
+)
+from .core.camera_calibration import (
     CalibrationBoard as CalibrationBoard,
 )
 from .core.camera_calibration import (
@@ -36,19 +39,16 @@ from .core.camera_calibration import (
     CameraCalibration as CameraCalibration,
 )
 from .core.camera_calibration import (
+    CameraMounting as CameraMounting,
+)
+from .core.camera_calibration import (
     Estimate as Estimate,
 )
 from .core.camera_calibration import (
     FloorPicture as FloorPicture,
 )
 from .core.camera_calibration import (
-    BoardPicture as BoardPicture,
-)
-from .core.camera_calibration import (
     LensFit as LensFit,
-)
-from .core.camera_calibration import (
-    CameraMounting as CameraMounting,
 )
 from .core.camera_calibration import (
     PreparedCamera as PreparedCamera,

@@ -1,7 +1,7 @@
 """Check ``graphnav calibrate`` against cameras that are known exactly, and tell by how much it is off.
 
-``python tools/check_calibration.py`` renders boards through several lenses, from several seeds, with noise and blur, and
-prints the errors of focal length, height, tilt and roll beside their targets, and what it says of bad pictures. The
+``python tools/check_calibration.py`` renders boards through several lenses, from several seeds, with noise and blur,
+and prints the errors of focal length, height, tilt and roll beside their targets, and what it says of bad pictures. The
 exit status is 1 where a target is missed. ``--study FOLDER`` also writes the camera of the study ``calibration``:
 the true one and the calibrated one.
 """
@@ -17,15 +17,15 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-
-from graphnav import CalibrationBoard, CalibrationTask, CameraCalibration, Mount
-from graphnav.arrays import Bytes, Doubles
-from graphnav.core.tables import Table, print_folded
 from graphnav_io.calibrate import calibrate
 from graphnav_io.calibration import calibration_text
 from graphnav_io.floor_mount import Pose, level_camera, leveling
 from graphnav_io.lens_fit import Lens
 from testbed.rendered_board import BoardCamera
+
+from graphnav import CalibrationBoard, CalibrationTask, CameraCalibration, Mount
+from graphnav.arrays import Bytes, Doubles
+from graphnav.core.tables import Table, print_folded
 
 MAX_FOCAL_RATIO, MAX_HEIGHT_RATIO, MAX_TILT_DEG = 0.01, 0.02, 0.5
 CHECKERED = CalibrationBoard(9, 6, 0.03)
@@ -50,7 +50,9 @@ def fisheye(rows: int, cols: int, focal_px: float) -> Lens:
 
 
 CAMERAS = {
-    "70 deg, barrel": BoardCamera(pinhole(480, 640, 70, (-0.25, 0.07, 0.001, -5e-4), (5, -4)), 480, 640, CHECKERED, 4, 0.7),
+    "70 deg, barrel": BoardCamera(
+        pinhole(480, 640, 70, (-0.25, 0.07, 0.001, -5e-4), (5, -4)), 480, 640, CHECKERED, 4, 0.7
+    ),
     "90 deg, barrel": BoardCamera(pinhole(480, 640, 90, (-0.2, 0.04), (-6, 3)), 480, 640, CHECKERED, 4, 0.7),
     "45 deg, blurred": BoardCamera(pinhole(480, 640, 45, (-0.05,), (2, 2)), 480, 640, CHECKERED, 6, 1.2),
     "160x120, 70 deg": BoardCamera(pinhole(120, 160, 70, (-0.2, 0.04), (0, 0)), 120, 160, COARSE, 2, 0.4),

@@ -5,13 +5,21 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-import yaml
-
-from graphnav import CalibrationBoard, CalibrationTask, CameraCalibration, Graph, Image, Place, PreparedCamera, UserError
+from graphnav import (
+    CalibrationBoard,
+    CalibrationTask,
+    CameraCalibration,
+    Graph,
+    Image,
+    Place,
+    PreparedCamera,
+    UserError,
+)
 from graphnav.core.api import loaded
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Node
 from graphnav.core.machine import write_atomically
+from graphnav.core.spec import write_value
 
 FAMILY = "io"
 """Of the plugin that reads pictures, and so calibrates."""
@@ -41,7 +49,9 @@ def written_files(camera: Path, *, force: bool) -> CameraFiles:
     files = CameraFiles(camera, camera.with_suffix(".calibration.yaml"), camera.with_suffix(".png"))
     existing = [file for file in files if file.exists()]
     if existing and not force:
-        raise UserError.of(f"{existing[0]} already exists", "choose another file, or replace it with --force", Place("-o"))
+        raise UserError.of(
+            f"{existing[0]} already exists", "choose another file, or replace it with --force", Place("-o")
+        )
     return files
 
 
@@ -57,7 +67,9 @@ def calibrated(task: CalibrationTask, graph: str, columns: int, files: CameraFil
         calibrates.
     """
     if not task.pictures:
-        raise UserError.of("no picture is named", "write graphnav calibrate pictures/ --board 9x6 --square 0.025", PLACE)
+        raise UserError.of(
+            "no picture is named", "write graphnav calibrate pictures/ --board 9x6 --square 0.025", PLACE
+        )
     checked = loaded(graph, None, (), Catalog())
     told = told_stages(checked)
     catalog = Catalog()
@@ -154,10 +166,7 @@ def _camera_yaml(
         assert isinstance(entry, dict)
         entry["with"] = {**entry.get("with", {}), **_mounting(camera)}
     head = [f"about: The camera of a robot, for {graph.path.stem}.", "", *_comments(graph, files, found), ""]
-    lines = ["stages:"]
-    for name, entry in stages.items():
-        text = yaml.safe_dump(entry, default_flow_style=True, sort_keys=False, width=10_000).strip()
-        lines.append(f"  {name}: {text}")
+    lines = ["stages:", *(f"  {name}: {write_value(entry)}" for name, entry in stages.items())]
     return "\n".join([*head, *lines]) + "\n"
 
 
@@ -170,19 +179,21 @@ def _mounting(camera: PreparedCamera) -> dict[str, float]:
 def _comments(graph: Graph, files: CameraFiles, found: CameraCalibration) -> list[str]:
     lens, mounting = found.lens, found.mounting
     assert lens is not None
+    n_used = sum(not one.refusal for one in found.pictures)
+    focal = f"{lens.fx_px.value:.1f} +- {lens.fx_px.deviation:.1f} px"
+    made = f"{lens.cols}x{lens.rows} pixels, focal length {focal}, {lens.rms_px:.2f} px rms over {n_used} pictures"
     lines = [
         f"# extends: [{graph.path.stem}, {files.camera.name}]",
         "#",
-        f"# Written by graphnav calibrate: {lens.cols}x{lens.rows} pixels, focal length {lens.fx_px.value:.1f} +- "
-        f"{lens.fx_px.deviation:.1f} px, {lens.rms_px:.2f} px rms over "
-        f"{sum(not one.refusal for one in found.pictures)} pictures.",
+        f"# Written by graphnav calibrate: {made}.",
     ]
     if mounting is None:
         return [*lines, "# No pictures of the floor: camera_height_m and tilt_deg are those of the graph."]
+    height_m, tilt_deg, roll_deg = (one.value for one in mounting)
+    angles = f"tilted by {tilt_deg:.2f} and rolled by {roll_deg:.2f} degrees"
     return [
         *lines,
-        f"# The camera is {mounting.height_m.value:.3f} m above the floor, tilted by {mounting.tilt_deg.value:.2f} and "
-        f"rolled by {mounting.roll_deg.value:.2f} degrees; 'rectify' makes the picture level.",
+        f"# The camera is {height_m:.3f} m above the floor, {angles}; 'rectify' makes the picture level.",
     ]
 
 

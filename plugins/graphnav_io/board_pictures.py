@@ -110,4 +110,3 @@ def _of_log(path: Path, option: str) -> Iterator[Shot]:
 def _gray(pixels: Bytes) -> Bytes:
     gray: Bytes = pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY)
     return gray
-

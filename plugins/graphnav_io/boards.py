@@ -28,6 +28,8 @@ _PROFILE_RATIO, _SAMPLES = 0.4, 33
 PRINT_DPI, INCH_M = 300.0, 0.0254
 FLAG = "--print-board"
 _DETECT = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
+_PART_RATIO = 0.6
+"""What is at least so large a share of the board tells why it was not found; less is often no board."""
 _MAX_DETECTED_PX = 2000
 """Boards are looked for in pictures of at most so many columns; corners are then refined in all of it."""
 
@@ -50,12 +52,14 @@ NONE = np.empty((0, 2)), np.empty((0, 3))
 
 @dataclass(frozen=True)
 class BoardFinder:
-    """Finds a board in pictures.
-
-    Raises UserError, from the first use, for a dictionary that OpenCV does not have or a marker that does not fit.
-    """
+    """Finds a board in pictures."""
 
     board: CalibrationBoard
+
+    def check(self) -> None:
+        """Raise UserError for a dictionary that OpenCV does not have, and for markers that do not fit."""
+        if self.board.marker_m is not None:
+            _ = self.charuco
 
     def find(self, gray: Bytes) -> Corners:
         """Return the corners in a picture, uint8 (rows, cols)."""
@@ -110,14 +114,16 @@ class BoardFinder:
 
     def _another(self, gray: Bytes) -> Corners:
         """Return what is there in place of the board: nothing, a part of it, or another one."""
-        part = max(3, self.board.cols // 2), max(3, self.board.rows // 2)
+        part = max(4, round(_PART_RATIO * self.board.cols)), max(3, round(_PART_RATIO * self.board.rows))
         with quiet():
             found, _, meta = cv2.findChessboardCornersSBWithMeta(gray, part, cv2.CALIB_CB_LARGER | _DETECT)
         if not found:
             return Corners(*NONE, "no board found")
         rows, cols = meta.shape[:2]
         wanted = f"{self.board.cols}x{self.board.rows}"
-        if any(n > most for n, most in zip(sorted((cols, rows)), sorted((self.board.cols, self.board.rows)), strict=True)):
+        if any(
+            n > most for n, most in zip(sorted((cols, rows)), sorted((self.board.cols, self.board.rows)), strict=True)
+        ):
             return Corners(*NONE, f"another board: {cols}x{rows} inner corners, not {wanted}", (cols, rows))
         return Corners(*NONE, f"cut off or covered: {cols}x{rows} of {wanted} corners seen", (cols, rows))
 
@@ -172,7 +178,10 @@ def edge_width_px(gray: Bytes, corners: Corners, board: CalibrationBoard) -> flo
     # over a pixel or more: noise between two samples is no slope
     reached = np.maximum(1, np.ceil(1.0 / step_px)).astype(int)
     steepest = np.array(
-        [np.abs(line[n:] - line[:-n]).max() / n for line, n in zip(profiles, np.minimum(reached, _SAMPLES // 2), strict=True)]
+        [
+            np.abs(line[n:] - line[:-n]).max() / n
+            for line, n in zip(profiles, np.minimum(reached, _SAMPLES // 2), strict=True)
+        ]
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         widths = np.where(contrast > 0, contrast / steepest * step_px, 0.0)

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 
 from graphnav import (
@@ -23,7 +21,7 @@ from graphnav import (
     PreparedCamera,
     Problem,
 )
-from graphnav.arrays import Bytes, Doubles
+from graphnav.arrays import Doubles
 from graphnav_io.board_pictures import read_shots
 from graphnav_io.boards import NONE, BoardFinder, Corners
 from graphnav_io.calibration import calibration_text
@@ -69,6 +67,7 @@ def calibrate(task: CalibrationTask) -> CameraCalibration:
         The pictures cannot be read, the board cannot exist, or the sheet cannot be written.
     """
     finder = BoardFinder(task.board)
+    finder.check()
     result, tiles = _Calibrator(task, _shown(task, finder, PICTURES), _shown(task, finder, FLOOR)).run()
     write_sheet(task.sheet, tiles)
     return result
@@ -211,9 +210,7 @@ class _Calibrator:
         self._notices += self._uncovered(points)
         view = _fov_deg(fit.lens, self._rows, self._cols)
         share = self._coverage(points)
-        return LensFit(
-            self._cols, self._rows, *four, distortion, fit.lens.is_fisheye, fit.rms_px, view, share
-        )
+        return LensFit(self._cols, self._rows, *four, distortion, fit.lens.is_fisheye, fit.rms_px, view, share)
 
     def _coverage(self, points: Doubles) -> float:
         cells, _, _ = np.histogram2d(
@@ -257,13 +254,13 @@ class _Calibrator:
             row = FloorPicture(one.name, len(one.corners.points_px), pose.height_m, *angles, faults.get(number, ""))
             self._floor_rows.append(row)
         kept = [pose for number, pose in poses.items() if number not in faults]
-        if problem := self._no_floor(poses, kept, median):
+        if problem := self._no_floor(poses, kept):
             return None, problem
         if len(kept) == 1:
             self._notices.append("one picture of the floor tells no spread: take 3 to 5, the board in other places")
         return _spread(kept), None
 
-    def _no_floor(self, poses: dict[int, Pose], kept: Sequence[Pose], median: Pose) -> Problem | None:
+    def _no_floor(self, poses: dict[int, Pose], kept: Sequence[Pose]) -> Problem | None:
         if not poses:
             what = f"none of {len(self._floor)} pictures of the floor shows the board"
             return _problem(what, "lay it where the camera sees all of it, with light from the side", FLOOR)
@@ -294,7 +291,8 @@ class _Calibrator:
         camera = level_camera(lens, level, self._rows, self._cols)
         if camera is None:
             roll_deg = 0.0 if mounting is None else mounting.roll_deg.value
-            what = f"the level picture needs more than {MAX_ZOOM:g} times the focal length, at a roll of {roll_deg:.0f} degrees"
+            longer = f"more than {MAX_ZOOM:g} times the focal length"
+            what = f"the level picture needs {longer}, at a roll of {roll_deg:.0f} degrees"
             return None, "", _problem(what, "mount the camera level", FLOOR)
         cols, rows = (self._rows, self._cols) if turns % 2 else (self._cols, self._rows)
         fov_deg = 2 * math.degrees(math.atan(cols / 2 / camera[0, 0]))

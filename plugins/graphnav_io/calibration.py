@@ -58,7 +58,8 @@ class Calibration(NamedTuple):
         """
         turn, camera = (self.rectification, self.projection) if rectify else (np.eye(3), self.camera)
         make = cv2.fisheye.initUndistortRectifyMap if self.is_fisheye else cv2.initUndistortRectifyMap
-        assert turn is not None and camera is not None, "checked when the file is read"
+        assert turn is not None, "checked when the file is read"
+        assert camera is not None
         x, y = make(self.camera, self.distortion, turn, camera, (self.cols, self.rows), cv2.CV_32FC1)
         return np.asarray(x, np.float32), np.asarray(y, np.float32)
 

@@ -44,9 +44,7 @@ def floor_pose(found: Corners, lens: Lens, quarter_turns: int) -> Pose:
     )
     if not turns:
         raise ValueError("no pose fits its corners")
-    turn, shift = cv2.solvePnPRefineLM(
-        found.places_m, lens.rays(found.points_px), np.eye(3), None, turns[0], shifts[0]
-    )
+    turn, shift = cv2.solvePnPRefineLM(found.places_m, lens.rays(found.points_px), np.eye(3), None, turns[0], shifts[0])
     up, place = cv2.Rodrigues(turn)[0][:, 2], shift.reshape(3)
     height_m = -float(up @ place)
     if height_m < 0:

@@ -29,8 +29,8 @@ class Prepared(Stage):
     )
     rectify: bool = param(
         False,
-        doc="undistort to the picture of the calibration's projection_matrix after its rectification_matrix; those that "
-        "graphnav calibrate writes make the camera level, its optical axis in the middle and its pixels square",
+        doc="undistort to the picture of the calibration's projection_matrix after its rectification_matrix; those "
+        "that graphnav calibrate writes make the camera level, its optical axis in the middle and its pixels square",
     )
     rotate_deg: Rotation = param(0, doc="rotation of the undistorted picture, counterclockwise")
     crop_px: tuple[int, int, int, int] | None = param(
@@ -102,7 +102,6 @@ class Prepared(Stage):
 
     def _remap(self) -> Remap:
         return Remap(self._read(), self.rectify, self.rotate_deg, self.crop_px, self.crop_ratio, self.crop_top_ratio)
-
 
     def _read(self) -> Calibration | None:
         if self.calibration is None:

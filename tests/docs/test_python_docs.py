@@ -26,4 +26,15 @@ def test_the_blocks_run_one_after_another(tmp_path: Path) -> None:
 
 def test_every_function_is_in_the_table() -> None:
     told = set(re.findall(r"^\| `graphnav\.(\w+)\(", DOCUMENT.read_text(), re.MULTILINE))
-    assert told == {"ablate", "calibrate", "check", "draw", "load", "make_env", "make_vec_env", "open_log", "profile", "run"}
+    assert told == {
+        "ablate",
+        "calibrate",
+        "check",
+        "draw",
+        "load",
+        "make_env",
+        "make_vec_env",
+        "open_log",
+        "profile",
+        "run",
+    }

@@ -12,11 +12,11 @@ from functools import cached_property
 
 import cv2
 import numpy as np
+from graphnav_io.boards import BoardFinder
+from graphnav_io.lens_fit import Lens
 
 from graphnav import CalibrationBoard, Mount
 from graphnav.arrays import Bytes, Doubles, Floats
-from graphnav_io.boards import BoardFinder
-from graphnav_io.lens_fit import Lens
 
 BLACK, WHITE, AROUND = 30.0, 215.0, 140.0
 FAR = 1e4
@@ -35,7 +35,7 @@ class BoardPose:
     place_m: Doubles
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BoardCamera:
     """A camera that takes pictures of a board.
 

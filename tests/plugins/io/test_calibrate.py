@@ -9,16 +9,17 @@ import cv2
 import numpy as np
 import pytest
 import yaml
-from PIL import Image as Picture
-
-from graphnav import CalibrationBoard, Graph, Image, Mount, Recording, UserError, calibrate, load
-from graphnav.arrays import Bytes
-from graphnav.core.cli import main
-from graphnav.core.record import LogWriter
 from graphnav_io.boards import BoardFinder
 from graphnav_io.lens_fit import Lens
 from graphnav_io.prepare import Prepare
+from PIL import Image as Picture
 from testbed.rendered_board import BoardCamera
+
+from graphnav import CalibrationBoard, Graph, Image, Mount, UserError, calibrate, load
+from graphnav.arrays import Bytes
+from graphnav.core.cli import main
+from graphnav.core.codec import encode
+from graphnav.core.record import LogWriter
 
 BOARD = CalibrationBoard(6, 4, 0.06)
 ROWS, COLS = 120, 160
@@ -127,8 +128,13 @@ def test_a_fisheye_is_found(write: Write) -> None:
 
 def test_a_charuco_board_may_be_cut_off() -> None:
     board = CalibrationBoard(6, 4, 0.06, 0.045)
-    camera = replace(CAMERA, board=board, rows=240, cols=320, lens=Lens(
-        np.diag([2.0, 2.0, 1.0]) @ MATRIX, CAMERA.lens.distortion, is_fisheye=False))
+    camera = replace(
+        CAMERA,
+        board=board,
+        rows=240,
+        cols=320,
+        lens=Lens(np.diag([2.0, 2.0, 1.0]) @ MATRIX, CAMERA.lens.distortion, is_fisheye=False),
+    )
     pose = camera.pose_at((250.0, 120.0), 0.35, (10.0, 5.0, 0.0))
     found = BoardFinder(board).find(camera.picture(pose, np.random.default_rng(1)))
     assert found.fault == ""
@@ -174,7 +180,7 @@ def test_too_few_pictures_are_refused(write: Write) -> None:
 
 
 def test_another_board_than_named_is_told(write: Write) -> None:
-    assert refusal(write, hand_pictures()[:9], board="5x3").endswith("give --board 6x4")
+    assert refusal(write, hand_pictures()[:9], board="7x5").endswith("give --board 6x4")
 
 
 def test_parallel_boards_do_not_determine_the_focal_length(write: Write) -> None:
@@ -194,7 +200,7 @@ def test_a_floor_picture_off_the_floor_is_left_out_and_two_that_differ_are_refus
         floor=[write("floor", [*floor_pictures(), raised])],
     )
     assert [one.refusal.partition(":")[0] for one in found.floor] == ["", "", "", "not on the floor of the others"]
-    with pytest.raises(UserError, match="the pictures of the floor do not agree: heights from 0.7"):
+    with pytest.raises(UserError, match="the pictures of the floor do not agree: heights from"):
         calibrate(["pictures"], board="6x4", square_m=0.06, floor=["floor/0.png", "floor/3.png"], force=True)
 
 
@@ -214,8 +220,8 @@ def test_a_log_of_images_is_read(write: Write) -> None:
     write("unused", [])
     with LogWriter(Path("drive.lcmlog")) as log:
         for number, pixels in enumerate(hand_pictures()[:10]):
-            log.write("camera.image", number * 500_000, Image(pixels=pixels))
-    assert Recording("drive.lcmlog").channels
+            utime = number * 500_000
+            log.write("camera.image", utime, encode(Image(pixels=pixels), utime, number))
     found = calibrate(["drive.lcmlog"], board="6x4", square_m=0.06)
     assert found.pictures[1].name == "drive.lcmlog@0.5s"
     assert len(found.pictures) == 10
