@@ -142,7 +142,7 @@ def bad_pictures(camera: BoardCamera, rng: np.random.Generator) -> dict[str, Byt
 
 
 def check_bad(folder: Path) -> None:
-    """Print what is said of bad pictures, and of sets that determine nothing."""
+    """Print the refusals of bad pictures, and of sets that determine nothing."""
     camera, rng = CAMERAS["70 deg, barrel"], np.random.default_rng(5)
     bad = bad_pictures(camera, rng)
     found = calibration_of(camera, [*hand_pictures(camera, rng, 12), *bad.values()], (), folder / "bad")

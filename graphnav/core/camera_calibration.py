@@ -33,7 +33,7 @@ class CalibrationBoard:
 
 @dataclass(frozen=True)
 class CalibrationTask:
-    """What a camera is calibrated from.
+    """The pictures and the board of a calibration.
 
     ``pictures``, ``floor``: pictures, folders or patterns of them, videos, logs and run folders with images; the board
     lies on the floor in those of ``floor``. ``rotate_deg``: how far the pictures are turned counterclockwise until
@@ -125,7 +125,7 @@ class PreparedCamera(NamedTuple):
 
 
 class CameraCalibration(NamedTuple):
-    """What pictures tell of a camera.
+    """Result of a calibration: every picture, the lens and the mounting.
 
     ``problem``: why there is no calibration; ``lens``, ``mounting`` and ``prepared`` are then what could be computed.
     ``text``: the calibration's file, YAML of ROS camera_info, as ``io.prepare`` reads it. ``notices``: doubts.

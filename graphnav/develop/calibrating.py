@@ -1,4 +1,4 @@
-"""What ``graphnav calibrate`` does: ask the plugin that can, and write the camera's YAML for the stages of a graph."""
+"""Ask the plugin that calibrates cameras, and write the camera's YAML for the stages of a graph."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PLACE = Place("PICTURES")
 
 
 class CameraFiles(NamedTuple):
-    """What a calibration writes: the camera's YAML for graphs, the calibration of the lens, and the contact sheet."""
+    """The files of a calibration: the camera's YAML for graphs, the calibration of the lens, and the contact sheet."""
 
     camera: Path
     calibration: Path

@@ -29,7 +29,7 @@ PRINT_DPI, INCH_M = 300.0, 0.0254
 FLAG = "--print-board"
 _DETECT = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
 _PART_RATIO = 0.6
-"""What is at least so large a share of the board tells why it was not found; less is often no board."""
+"""A part of the board tells why it was not found if it is at least so large; less is often something else."""
 _MAX_DETECTED_PX = 2000
 """Boards are looked for in pictures of at most so many columns; corners are then refined in all of it."""
 
@@ -113,17 +113,15 @@ class BoardFinder:
         return Corners(_refined(gray, places, size), self._places_m)
 
     def _another(self, gray: Bytes) -> Corners:
-        """Return what is there in place of the board: nothing, a part of it, or another one."""
+        """Return the finding in place of the board: nothing, a part of it, or another one."""
         part = max(4, round(_PART_RATIO * self.board.cols)), max(3, round(_PART_RATIO * self.board.rows))
         with quiet():
             found, _, meta = cv2.findChessboardCornersSBWithMeta(gray, part, cv2.CALIB_CB_LARGER | _DETECT)
         if not found:
             return Corners(*NONE, "no board found")
-        rows, cols = meta.shape[:2]
+        rows, cols = sorted(meta.shape[:2], reverse=self.board.cols < self.board.rows)  # it may lie on its side
         wanted = f"{self.board.cols}x{self.board.rows}"
-        if any(
-            n > most for n, most in zip(sorted((cols, rows)), sorted((self.board.cols, self.board.rows)), strict=True)
-        ):
+        if cols > self.board.cols or rows > self.board.rows:
             return Corners(*NONE, f"another board: {cols}x{rows} inner corners, not {wanted}", (cols, rows))
         return Corners(*NONE, f"cut off or covered: {cols}x{rows} of {wanted} corners seen", (cols, rows))
 
@@ -175,7 +173,7 @@ def edge_width_px(gray: Bytes, corners: Corners, board: CalibrationBoard) -> flo
     ).astype(np.float64)
     step_px = np.linalg.norm(along, axis=-1) * (at[1] - at[0])
     contrast = np.abs(profiles[:, -3:].mean(axis=1) - profiles[:, :3].mean(axis=1))
-    # over a pixel or more: noise between two samples is no slope
+    # over a pixel or more: two samples differ by noise alone
     reached = np.maximum(1, np.ceil(1.0 / step_px)).astype(int)
     steepest = np.array(
         [

@@ -15,7 +15,7 @@ from graphnav_io.lens_fit import Lens
 
 MAX_ZOOM = 2.0
 SEEN_PX = 0.05
-"""What lies so little beyond the outermost pixels still counts as seen: it is hardly darker."""
+"""A place so little beyond the outermost pixels counts as seen: it is hardly darker."""
 _ZOOM_STEPS = 20
 _BORDER_POINTS = 40
 

@@ -78,7 +78,7 @@ class BoardCamera:
         return BoardPose(rotation, np.array([x, y, 1.0]) * depth_m - rotation @ self.origin_m)
 
     def hand_pose(self, rng: np.random.Generator) -> BoardPose:
-        """Return a pose as a person holds a board: anywhere in the picture, turned by up to 45 degrees."""
+        """Return a pose of a board that is held by hand: anywhere in the picture, turned by up to 45 degrees."""
         size = np.array([self.board.cols, self.board.rows]).max() * self.board.square_m
         fills = rng.uniform(0.35, 0.7)
         depth = size * self.lens.camera[0, 0] / (fills * self.cols)
