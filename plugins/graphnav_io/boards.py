@@ -99,7 +99,8 @@ class BoardFinder:
         """All inner corners of a checkerboard, row by row."""
         cols, rows = self.board.cols, self.board.rows
         x, y = np.meshgrid(np.arange(cols), np.arange(rows))
-        return np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3) * self.board.square_m
+        corners = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)
+        return np.asarray(corners * self.board.square_m, np.float64)
 
     def _checkerboard(self, gray: Bytes) -> Corners:
         size = self.board.cols, self.board.rows
@@ -150,7 +151,7 @@ def _refined(gray: Bytes, points_px: Doubles, size: tuple[int, int]) -> Doubles:
     half = int(np.clip(shortest / 2.5, 2, 15))
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 50, 1e-3)
     refined = cv2.cornerSubPix(gray, points_px.astype(np.float32).reshape(-1, 1, 2), (half, half), (-1, -1), stop)
-    return refined.reshape(-1, 2).astype(np.float64)
+    return np.asarray(refined, np.float64).reshape(-1, 2)
 
 
 def edge_width_px(gray: Bytes, corners: Corners, board: CalibrationBoard) -> float:
@@ -168,9 +169,9 @@ def edge_width_px(gray: Bytes, corners: Corners, board: CalibrationBoard) -> flo
     across = np.stack([-along[:, 1], along[:, 0]], axis=-1)
     at = np.linspace(-reach, reach, _SAMPLES)
     points = ((here + there) / 2)[:, None] + across[:, None] * at[:, None]
-    profiles = cv2.remap(
-        gray, *np.moveaxis(points, -1, 0).astype(np.float32), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-    ).astype(np.float64)
+    x, y = np.moveaxis(points, -1, 0).astype(np.float32)
+    sampled = cv2.remap(gray, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    profiles = np.asarray(sampled, np.float64)
     step_px = np.linalg.norm(along, axis=-1) * (at[1] - at[0])
     contrast = np.abs(profiles[:, -3:].mean(axis=1) - profiles[:, :3].mean(axis=1))
     # over a pixel or more: two samples differ by noise alone

@@ -202,15 +202,27 @@ class _Calibrator:
 
     def _lens_fit(self, fit: Fit) -> LensFit:
         (fx, _, cx), (_, fy, cy), _ = fit.lens.camera.tolist()
-        four = [Estimate(value, float(sd)) for value, sd in zip((fx, fy, cx, cy), fit.deviations[:4], strict=True)]
+        sd = fit.deviations.tolist()
         names = FISHEYE_NAMES if fit.lens.is_fisheye else PINHOLE_NAMES
-        values = zip(names, fit.lens.distortion.tolist(), fit.deviations[4:].tolist(), strict=True)
-        distortion = {name: Estimate(value, sd) for name, value, sd in values}
+        values = zip(names, fit.lens.distortion.tolist(), sd[4:], strict=True)
+        distortion = {name: Estimate(value, deviation) for name, value, deviation in values}
         points = np.concatenate([self._pictures[n].corners.points_px for n in self._used])
         self._notices += self._uncovered(points)
         view = _fov_deg(fit.lens, self._rows, self._cols)
         share = self._coverage(points)
-        return LensFit(self._cols, self._rows, *four, distortion, fit.lens.is_fisheye, fit.rms_px, view, share)
+        return LensFit(
+            self._cols,
+            self._rows,
+            Estimate(fx, sd[0]),
+            Estimate(fy, sd[1]),
+            Estimate(cx, sd[2]),
+            Estimate(cy, sd[3]),
+            distortion,
+            fit.lens.is_fisheye,
+            fit.rms_px,
+            view,
+            share,
+        )
 
     def _coverage(self, points: Doubles) -> float:
         cells, _, _ = np.histogram2d(

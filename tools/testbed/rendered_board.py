@@ -60,8 +60,8 @@ class BoardCamera:
         gray = self._charuco(points) if self.board.marker_m is not None else self._checkered(points)
         if self.blur_px:
             gray = cv2.GaussianBlur(gray, (0, 0), self.blur_px, borderType=cv2.BORDER_REPLICATE)
-        gray = gray + rng.normal(0.0, self.noise_gray, gray.shape)
-        return np.clip(np.rint(gray), 0, 255).astype(np.uint8)
+        noisy = gray + rng.normal(0.0, self.noise_gray, gray.shape)
+        return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
 
     @property
     def origin_m(self) -> Doubles:
@@ -134,7 +134,7 @@ class BoardCamera:
         found = self._squares[np.where(inside, at[..., 1], 0), np.where(inside, at[..., 0], 0)]
         paper = (points >= -1).all(axis=-1) & (points[..., 0] < cols + 1) & (points[..., 1] < rows + 1)
         gray = np.where(inside, np.where(found > 127, WHITE, BLACK), np.where(paper, WHITE, AROUND))
-        return gray.reshape(self.rows, n, self.cols, n).mean(axis=(1, 3)).astype(np.float32)
+        return np.asarray(gray.reshape(self.rows, n, self.cols, n).mean(axis=(1, 3)), np.float32)
 
     @cached_property
     def _squares(self) -> Bytes:

@@ -86,7 +86,8 @@ def _board(args: CommandArguments) -> CalibrationBoard:
     if args.marker_m is not None and not args.charuco:
         raise UserError.of("a checkerboard has no markers", "add --charuco, or leave it out", Place("--marker"))
     marker_m = (args.marker_m or _MARKER_RATIO * args.square_m) if args.charuco else None
-    return CalibrationBoard(*args.board, args.square_m, marker_m, args.dictionary)
+    cols, rows = args.board
+    return CalibrationBoard(cols, rows, args.square_m, marker_m, args.dictionary)
 
 
 def _print_board(board: CalibrationBoard, args: CommandArguments) -> int:
