@@ -30,7 +30,7 @@ from graphnav.core.tables import Table, print_folded
 MAX_FOCAL_RATIO, MAX_HEIGHT_RATIO, MAX_TILT_DEG = 0.01, 0.02, 0.5
 CHECKERED = CalibrationBoard(9, 6, 0.03)
 COARSE = CalibrationBoard(6, 4, 0.06)
-CHARUCO = CalibrationBoard(8, 6, 0.03, 0.022)
+CHARUCO = CalibrationBoard(8, 6, 0.05, 0.037)
 N_PICTURES = 20
 
 
