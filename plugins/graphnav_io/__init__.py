@@ -17,3 +17,19 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_io.video import Video
 
     return [Images, Video, Camera, Recording, Prepare]
+
+
+@hookimpl
+def graphnav_calibrate(task: CalibrationTask) -> CameraCalibration:
+    """Calibrate a camera from pictures of a board."""
+    from graphnav_io.calibrate import calibrate
+
+    return calibrate(task)
+
+
+@hookimpl
+def graphnav_print_board(board: CalibrationBoard, file: Path) -> tuple[float, float]:
+    """Write a calibration board to be printed."""
+    from graphnav_io.boards import print_board
+
+    return print_board(board, file)
