@@ -1,6 +1,7 @@
 # The public names of graphnav, and the modules that define them; `__init__.py` imports each on first use.
 
 from .core.adapter import Adapter as Adapter
+from .core.adapter import Ros2Adapter as Ros2Adapter
 from .core.api.draw import (
     Drawing as Drawing,
 )

@@ -1,15 +1,17 @@
-"""Adapters between LCM types of other packages and graphnav's messages."""
+"""Adapters between types of other packages, of LCM or ROS 2, and graphnav's messages."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar
 
 from graphnav.core.codec import add_type
 from graphnav.core.errors import DeclarationError, one_line, shown_value
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message
+from graphnav.core.ros2 import RosType, ros_name
 
 
 class Adapter:
@@ -71,6 +73,71 @@ class Adapter:
         return cls.to_lcm is not Adapter.to_lcm
 
 
+class Ros2Adapter(Adapter):
+    r"""Converts a ROS 2 type to a graphnav message, and back.
+
+    The hook ``graphnav_adapters`` returns it beside other adapters; an input or an output with ``ros2: /topic`` names
+    the type. ``definition`` is the text of its ``.msg`` file (`RosType`), so that nothing of ROS need be installed. One
+    direction is sufficient::
+
+        class Range(Ros2Adapter):
+            type_name = "sensor_msgs/Range"
+            definition = "std_msgs/Header header\nuint8 radiation_type\nfloat32 field_of_view ..."
+            message = Scan
+
+            def from_ros(self, fields: Mapping[str, Any]) -> Scan:
+                return Scan(ranges_m=[fields["range"]], ...)
+    """
+
+    definition: ClassVar[str]
+    latched: ClassVar[bool] = False
+    """Whether who listens later gets the last message too, as ROS programs expect of a map."""
+
+    @cached_property
+    def ros_type(self) -> RosType:
+        """The type; raises DeclarationError if the definition cannot be read."""
+        return RosType(ros_name(self.type_name), self.definition)
+
+    def from_ros(self, fields: Mapping[str, Any]) -> Message:
+        """Return the message that the ROS fields hold; arrays are numpy arrays, received read-only.
+
+        Raises
+        ------
+        ValueError
+            This adapter cannot read the fields; the message is counted and not used.
+        """
+        raise NotImplementedError
+
+    def to_ros(self, message: Any, utime: int) -> Mapping[str, Any]:
+        """Return the ROS fields for a message stamped ``utime`` (microseconds); those left out are zero or empty."""
+        raise NotImplementedError
+
+    def utime(self, fields: Mapping[str, Any]) -> int | None:
+        """Return the stamp of the header in microseconds, None if the type has none."""
+        if not self.ros_type.is_stamped:
+            return None
+        stamp = next(iter(fields.values()))["stamp"]
+        return int(stamp["sec"]) * 1_000_000 + int(stamp["nanosec"]) // 1000
+
+    def from_lcm(self, fields: Mapping[str, Any]) -> Message:
+        """Return the message of received fields, as every adapter does."""
+        return self.from_ros(fields)
+
+    def to_lcm(self, message: Any, utime: int) -> Mapping[str, Any]:
+        """Return the fields to send, as every adapter does."""
+        return self.to_ros(message, utime)
+
+    @classmethod
+    def reads(cls) -> bool:
+        """Whether it converts the ROS type to a message."""
+        return cls.from_ros is not Ros2Adapter.from_ros
+
+    @classmethod
+    def writes(cls) -> bool:
+        """Whether it converts a message to the ROS type."""
+        return cls.to_ros is not Ros2Adapter.to_ros
+
+
 @dataclass(frozen=True)
 class Adapters:
     """The adapters of the loaded plugins, by ``type_name``: at most one per direction of a type."""
@@ -79,6 +146,10 @@ class Adapters:
     """From LCM types to messages."""
     writers: Mapping[str, Adapter]
     """From messages to LCM types."""
+    ros_readers: Mapping[str, Ros2Adapter] = field(default_factory=dict)
+    """From ROS 2 types to messages."""
+    ros_writers: Mapping[str, Ros2Adapter] = field(default_factory=dict)
+    """From messages to ROS 2 types."""
 
 
 def collect_adapters(found: Iterable[tuple[str, Any]]) -> Adapters:
@@ -89,19 +160,21 @@ def collect_adapters(found: Iterable[tuple[str, Any]]) -> Adapters:
     DeclarationError
         One is not an adapter or is declared wrongly, or two convert the same type in the same direction.
     """
-    readers: dict[str, Adapter] = {}
-    writers: dict[str, Adapter] = {}
+    known: dict[tuple[str, bool], dict[str, Any]] = {
+        (verb, is_ros): {} for verb in ("read", "written") for is_ros in (False, True)
+    }
     origins: dict[tuple[str, str], str] = {}
     for origin, given in found:
         adapter = _made(origin, given)
-        name = adapter.type_name
-        for verb, does, known in (("read", adapter.reads(), readers), ("written", adapter.writes(), writers)):
+        is_ros = isinstance(adapter, Ros2Adapter)
+        name = adapter.ros_type.name if isinstance(adapter, Ros2Adapter) else adapter.type_name
+        for verb, does in (("read", adapter.reads()), ("written", adapter.writes())):
             if not does:
                 continue
-            if name in known:
+            if name in known[verb, is_ros]:
                 raise DeclarationError(f"'{name}' is {verb} by adapters of {origins[verb, name]} and of {origin}")
-            known[name], origins[verb, name] = adapter, origin
-    return Adapters(readers, writers)
+            known[verb, is_ros][name], origins[verb, name] = adapter, origin
+    return Adapters(known["read", False], known["written", False], known["read", True], known["written", True])
 
 
 def _made(origin: str, given: Any) -> Adapter:
@@ -120,11 +193,24 @@ def _made(origin: str, given: Any) -> Adapter:
     who = f"{origin}: adapter {type(adapter).__name__}"
     if not isinstance(getattr(adapter, "type_name", None), str):
         raise DeclarationError(f"{who} does not name its type: write type_name = 'package.type_t'")
-    if not hasattr(getattr(adapter, "lcm_class", None), "__typenames__"):
+    if isinstance(adapter, Ros2Adapter):
+        _check_definition(who, adapter)
+    elif not hasattr(getattr(adapter, "lcm_class", None), "__typenames__"):
         raise DeclarationError(f"{who} has no lcm_class generated by lcm-gen")
     message = getattr(adapter, "message", None)
     if not (isinstance(message, type) and issubclass(message, Message)):
         raise DeclarationError(f"{who} does not name its message: write message = Image, or another Message")
     if not (adapter.reads() or adapter.writes()):
-        raise DeclarationError(f"{who} has neither from_lcm nor to_lcm")
+        has = "from_ros nor to_ros" if isinstance(adapter, Ros2Adapter) else "from_lcm nor to_lcm"
+        raise DeclarationError(f"{who} has neither {has}")
     return adapter
+
+
+def _check_definition(who: str, adapter: Ros2Adapter) -> None:
+    """Raise DeclarationError unless the definition of a ROS type can be read."""
+    if not isinstance(getattr(adapter, "definition", None), str):
+        raise DeclarationError(f"{who} does not define its type: write definition = the text of its .msg file")
+    try:
+        adapter.ros_type  # noqa: B018 - parsed here, so that it is told where the adapter is read
+    except DeclarationError as error:
+        raise DeclarationError(f"{who}: {error}") from error

@@ -8,13 +8,14 @@ from typing import Protocol
 
 from graphnav import Message
 from graphnav.core.bus import Bus
-from graphnav.core.codec import codec_of
+from graphnav.core.dds import Ros2Node
 from graphnav.core.errors import BusError, one_line
 from graphnav.core.graph import OutputChannel, stop_fields
 from graphnav.core.interrupts import CtrlC
+from graphnav.core.ros2 import STAMP_AT, Ros2Network
 from graphnav.core.runner import Durations, Encoded
 from graphnav.live.clock import LiveClock
-from graphnav.live.motors.channel import MotorChannel
+from graphnav.live.motors.channel import MotorChannel, MotorTopic
 from graphnav.live.motors.offsets import offsets_of
 
 
@@ -77,31 +78,44 @@ class Outlet:
 
 
 def adapted(target: OutputChannel, message: Message, utime: int) -> bytes:
-    """Return a message encoded in the LCM type of an output."""
+    """Return a message encoded in the type of an output."""
     assert target.adapter is not None
     try:
-        return codec_of(target.lcm_class).encode(target.adapter.to_lcm(message, utime))
+        return target.codec.encode(target.adapter.to_lcm(message, utime))
     except CtrlC:
         raise
     except BaseException as error:
         raise ValueError(f"{type(target.adapter).__name__}: {one_line(error)}") from error
 
 
-def motor_channel(target: OutputChannel) -> MotorChannel:
-    """Return the motor channel of an output, for the sending process."""
-    stop = codec_of(target.lcm_class).encode(stop_fields(target, target.stop))
+def motor_channel(target: OutputChannel, network: Ros2Network) -> MotorChannel:
+    """Return the motor channel of an output, for the sending process; ``network``: that of ROS 2 topics."""
+    stop = target.codec.encode(stop_fields(target, target.stop))
+    if (kind := target.ros_type) is not None:
+        topic = MotorTopic(kind.name, kind.definition, network.domain or 0, network.interface)
+        stamp_at = STAMP_AT if kind.is_stamped else None
+        return MotorChannel(target.name, stop, stamp_at, None, target.max_age_s, topic)
     stamp_at, seq_at = offsets_of(target.lcm_class)
     return MotorChannel(target.name, stop, stamp_at, seq_at, target.max_age_s)
 
 
 def bus_send(bus: Bus, notice: Callable[[str], None]) -> Send:
     """Return a function that sends on a bus without waiting; refused messages are counted, and reported once."""
+    return _reporting(lambda channel, data: bus.send(channel, data, newest_only=True), notice)
+
+
+def topic_send(node: Ros2Node, notice: Callable[[str], None]) -> Send:
+    """Return a function that publishes topics without waiting; refused messages are counted, and reported once."""
+    return _reporting(node.publish, notice)
+
+
+def _reporting(publish: Callable[[str, bytes], None], notice: Callable[[str], None]) -> Send:
     told = False
 
     def send(channel: str, data: bytes, made_s: float) -> bool:  # noqa: ARG001
         nonlocal told
         try:
-            bus.send(channel, data, newest_only=True)
+            publish(channel, data)
         except BusError as error:
             if not told:
                 told = True

@@ -10,6 +10,8 @@ from pathlib import Path
 from graphnav import About, Graph, GraphnavError, Stage, Status
 from graphnav.core.bus import Bus
 from graphnav.core.codec import encode
+from graphnav.core.dds import Ros2Node
+from graphnav.core.graph import InputChannel, OutputChannel
 from graphnav.core.interrupts import Interrupt
 from graphnav.core.lcm_url import live_url
 from graphnav.core.notices import print_notice
@@ -31,7 +33,7 @@ from graphnav.core.runner import (
     about_of,
 )
 from graphnav.live.clock import LiveClock
-from graphnav.live.connections import opened
+from graphnav.live.connections import joined_ros2, opened
 from graphnav.live.health.observer import Observer
 from graphnav.live.health.service_manager import ServiceManager
 from graphnav.live.health.status import Losses
@@ -79,18 +81,22 @@ def run_live(
     Raises
     ------
     UserError
-        The folder cannot be written, or a log to play does not contain the channels of the graph.
+        The folder cannot be written, a log to play does not contain the channels of the graph, or Cyclone DDS is not
+        installed for its ROS 2 topics.
+    BusError
+        The domain of its ROS 2 topics cannot be joined.
     CtrlC
         The user asked for the end before the stages were wired, or after the run had reached its own.
     """
     manager = ServiceManager(notice)
-    run = _LiveRun(graph, folder.absolute(), live_url(graph, url), tap, run_id, on_failure, changes, manager)
 
     def run_with(interrupt: Interrupt, calls: StageCalls, cleanup: ExitStack) -> None:
         run.begin(stages, keep, notice, calls, cleanup, None if start_processes is None else start_processes(interrupt))
         run.perform(on_time, interrupt, lambda: interrupt.asked or should_stop())
 
-    return run.record.conduct(run_with, stall, {})
+    with joined_ros2(graph) as node:
+        run = _LiveRun(graph, folder.absolute(), live_url(graph, url), node, tap, run_id, on_failure, changes, manager)
+        return run.record.conduct(run_with, stall, {})
 
 
 class _LiveRun:
@@ -101,6 +107,7 @@ class _LiveRun:
         graph: Graph,
         folder: Path,
         url: str,
+        node: Ros2Node | None,
         tap: LiveSink | None,
         run_id: str,
         on_failure: Callable[[GraphnavError], None],
@@ -108,6 +115,7 @@ class _LiveRun:
         manager: ServiceManager,
     ) -> None:
         self._graph, self._folder, self._url, self._tap, self._run_id = graph, folder, url, tap, run_id
+        self._node = node
         self._changes, self._manager = changes, manager
         self.record = RecordedRun(graph, folder, run_id, on_failure, self._close_log, self._measured, changes)
         self._processes: RemoteProcesses | None = None
@@ -173,7 +181,7 @@ class _LiveRun:
         """Open what comes in and leaves, and fire the stages until the run ends."""
         graph, schedule, observer, playback = self._graph, self._schedule, self._observer, self._playback
         manager = self._manager
-        link = opened(graph, schedule, self._url, self._wake, observer)
+        link = opened(graph, schedule, self._url, self._node, self._wake, observer)
         with link as motors, closing(Watchdog(schedule, observer.tell)):
             playback.start()
             sinks: list[Sink] = [self._writer] if self._tap is None else [self._writer, self._tap]
@@ -228,13 +236,15 @@ def _watched(graph: Graph, tap: LiveSink | None, url: str) -> list[Sink]:
     is_shared = Bus.same_group(tap.url, url)
     outside = {
         Status.CHANNEL,
-        *(one.name for one in graph.inputs.values()),
-        *(one.name for one in graph.outputs.values()),
+        *(one.name for one in graph.inputs.values() if one.ros_type is None),
+        *(one.name for one in graph.outputs.values() if one.ros_type is None),
     }
     tap.announce(about_of(graph, is_live=True, by_outside_names=is_shared), outside)
     if not is_shared:
         return [tap]
-    return [_Unshared(tap, frozenset(graph.channels[ref].name for ref in (*graph.inputs, *graph.outputs)))]
+    wires: dict[str, InputChannel | OutputChannel] = {**graph.inputs, **graph.outputs}
+    shared = frozenset(graph.channels[ref].name for ref, one in wires.items() if one.ros_type is None)
+    return [_Unshared(tap, shared)]
 
 
 class _Unshared:

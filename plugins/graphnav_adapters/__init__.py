@@ -1,4 +1,4 @@
-"""Adapters between LCM types of other packages and messages of graphnav; not a family of stages."""
+"""Adapters between LCM and ROS 2 types of other packages and messages of graphnav; not a family of stages."""
 
 from __future__ import annotations
 
@@ -9,5 +9,16 @@ from graphnav import Adapter, hookimpl
 def graphnav_adapters() -> list[Adapter]:
     """Return the adapters; their modules are imported only now."""
     from graphnav_adapters.bot_core_image import BotCoreImage
+    from graphnav_adapters.ros2_images import RosCompressedImage, RosImage
+    from graphnav_adapters.ros2_motion import RosBool, RosOccupancyGrid, RosOdometry, RosTwist, RosTwistStamped
 
-    return [BotCoreImage()]
+    return [
+        BotCoreImage(),
+        RosImage(),
+        RosCompressedImage(),
+        RosOdometry(),
+        RosTwist(),
+        RosTwistStamped(),
+        RosBool(),
+        RosOccupancyGrid(),
+    ]

@@ -11,12 +11,14 @@ from graphnav import Adapter, FieldError, Image
 from graphnav.arrays import Bytes
 from graphnav_adapters.lcmtypes.bot_core import image_t
 from graphnav_adapters.max_pixels import check_size
+from graphnav_adapters.padded_rows import Names, without_padding
 
 GRAY, RGB, BGR, MJPEG = (int.from_bytes(code, "little") for code in (b"GREY", b"RGB3", b"BGR3", b"MJPG"))
 """Values of ``pixelformat``: FourCC codes, first character in the lowest byte."""
 
 
 _CHANNELS = {GRAY: 1, RGB: 3, BGR: 3}
+_NAMES = Names("size", "height", "row_stride")
 
 
 class BotCoreImage(Adapter):
@@ -47,7 +49,7 @@ class BotCoreImage(Adapter):
             return Image(pixels=_decompressed(data, rows, cols))
         if pixelformat not in _CHANNELS:
             raise FieldError("pixelformat", _shown(pixelformat), ", ".join(map(_shown, (*_CHANNELS, MJPEG))))
-        pixels = _unpadded(data, rows, cols * _CHANNELS[pixelformat], fields["row_stride"])
+        pixels = without_padding(data, rows, cols * _CHANNELS[pixelformat], fields["row_stride"], _NAMES)
         if pixelformat == GRAY:
             return Image(pixels=pixels)
         colours = pixels.reshape(rows, cols, 3)
@@ -83,17 +85,6 @@ def _decompressed(data: Bytes, rows: int, cols: int) -> Bytes:
         found = f"{pixels.shape[1]}x{pixels.shape[0]}"
         raise FieldError("width x height", f"{cols}x{rows}", f"{found}, which its JPEG has")
     return pixels
-
-
-def _unpadded(data: Bytes, rows: int, row_bytes: int, row_stride: int) -> Bytes:
-    """Return (rows, row_bytes) of rows that begin every ``row_stride`` bytes; the last one may lack its padding."""
-    if row_stride < row_bytes:
-        raise FieldError("row_stride", row_stride, f"{row_bytes} or more, the bytes of a row")
-    min_size, max_size = row_stride * (rows - 1) + row_bytes, row_stride * rows
-    if not min_size <= data.size <= max_size:
-        raise FieldError("size", data.size, f"height * row_stride = {rows} * {row_stride} = {max_size}")
-    padded: Bytes = np.ndarray((rows, row_bytes), np.uint8, np.ascontiguousarray(data), strides=(row_stride, 1))
-    return np.ascontiguousarray(padded)
 
 
 def _shown(pixelformat: int) -> str:

@@ -83,3 +83,10 @@ def decode_jpeg(data: bytes) -> Bytes:
         raise ValueError("data is a JPEG that cannot be decoded")
     decoded: Bytes = pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB)
     return decoded
+
+
+def encode_jpeg(pixels: Bytes) -> Bytes:
+    """Return pixels, uint8, (rows, cols) or (rows, cols, 3) red-green-blue, as a JPEG of OpenCV's default quality."""
+    ordered = pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR)
+    encoded: Bytes = cv2.imencode(".jpg", ordered)[1].reshape(-1)
+    return encoded

@@ -20,6 +20,7 @@ from graphnav.core.graph.wiring.settings import run_options, settings_of
 from graphnav.core.graph.wiring.stage_class import stage_class
 from graphnav.core.graph.wiring.wires import Wires
 from graphnav.core.messages import Message
+from graphnav.core.ros2 import Ros2Network
 from graphnav.core.spec import Spec, StageSpec
 from graphnav.core.stage import Port, Source, Stage, ports_of
 
@@ -101,6 +102,7 @@ def check(
         inputs=inputs,
         outputs=sent,
         queues={ref: queue.keep for ref, queue in spec.queues.items()},
+        ros2=Ros2Network() if spec.ros2 is None else Ros2Network(spec.ros2.domain, spec.ros2.interface),
         deploy=parts_of(spec, classes, problems),
         left_out=left_out,
     )

@@ -12,6 +12,7 @@ from graphnav.core.graph.wiring.firing import firing_order
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.machine.instruction_set import require_portable
 from graphnav.core.messages import Twist
+from graphnav.core.ros2 import Ros2Network
 from graphnav.core.spec import RunOptions
 from graphnav.core.stage import Metric, Stage, metrics_of, params_of, tell_readers
 
@@ -40,6 +41,8 @@ class Graph:
     queues: Mapping[str, int | None] = field(default_factory=dict)
     """How many messages a plain input holds live, by ``stage.port``: each complete set of them fires, in order. None
     is as many as memory allows. Without an entry the newest complete set fires and older ones are overtaken."""
+    ros2: Ros2Network = field(default_factory=Ros2Network)
+    """Where the ROS 2 programs are whose topics are inputs and outputs."""
     deploy: Mapping[str, Part] = field(default_factory=dict)
     """The processes of a run, by name; stages that none of them names live in that of the command."""
     plugins: tuple[Path, ...] = ()

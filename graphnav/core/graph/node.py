@@ -10,8 +10,10 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from graphnav.core.adapter import Adapter
+from graphnav.core.codec import Codec, codec_of
 from graphnav.core.errors import ParamError, Place, Problem
 from graphnav.core.messages import Message
+from graphnav.core.ros2 import RosType
 from graphnav.core.stage import LiveSource, Port, Source, Stage, ports_of
 
 SET: Literal["--set"] = "--set"
@@ -63,7 +65,7 @@ class InputChannel:
     channel: Channel
     """The consumed channel: its ``ref`` and its ``name`` in logs are the name that the graph gives the input."""
     name: str
-    """The LCM channel that is listened to; of a log, the channel in it."""
+    """The LCM channel or the ROS 2 topic that is listened to; of a log, the channel in it."""
     lcm_class: type
     """The type on the wire."""
     type_name: str
@@ -79,6 +81,18 @@ class InputChannel:
     """The same as the graph gives it."""
     log_anywhere: Path | None = None
     """The same so that it holds in any folder."""
+    ros_type: RosType | None = None
+    """Of a ROS 2 topic, whose name is ``name``; None for an LCM channel."""
+
+    @property
+    def codec(self) -> Codec | RosType:
+        """Decodes its messages."""
+        return self.ros_type or codec_of(self.lcm_class)
+
+    @property
+    def is_channel(self) -> bool:
+        """Whether it is heard by LCM: neither a log nor a ROS 2 topic."""
+        return self.log is None and self.ros_type is None
 
     @property
     def sender(self) -> str:
@@ -92,7 +106,7 @@ class OutputChannel:
 
     channel: Channel
     name: str
-    """The LCM channel on which it leaves."""
+    """The LCM channel or the ROS 2 topic on which it leaves."""
     lcm_class: type
     type_name: str
     adapter: Adapter | None
@@ -102,8 +116,15 @@ class OutputChannel:
     max_age_s: float
     """Of a motor channel: silence that lasts longer is answered by stops."""
     stop: Mapping[str, Any] | None
-    """The LCM fields of the stop message where the graph gives them; None: what becomes of ``Twist(0, 0)``."""
+    """The fields of the stop message where the graph gives them; None: what becomes of ``Twist(0, 0)``."""
     place: Place
+    ros_type: RosType | None = None
+    """Of a ROS 2 topic, whose name is ``name``; None for an LCM channel."""
+
+    @property
+    def codec(self) -> Codec | RosType:
+        """Encodes its messages."""
+        return self.ros_type or codec_of(self.lcm_class)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import Any
 
 from graphnav.core.graph.graph import Graph
 from graphnav.core.graph.node import InputChannel, Node, OutputChannel, Part
+from graphnav.core.ros2 import Ros2Network
 from graphnav.core.spec import RunKeys, RunOptions, keys_of
 from graphnav.core.spec.write import write_value
 
@@ -43,6 +44,8 @@ def _lines(graph: Graph, plugins: Sequence[str], *, portable_paths: bool) -> Ite
     if renamed:
         yield "channels:"
         yield from (f"  {channel.ref}: {write_value(channel.name)}" for channel in renamed)
+    if graph.ros2 != Ros2Network():
+        yield f"ros2: {write_value({key: value for key, value in asdict(graph.ros2).items() if value is not None})}"
     sections: dict[str, Mapping[str, Any]] = {
         "inputs": {ref: _input_words(i, portable_paths=portable_paths) for ref, i in graph.inputs.items()},
         "outputs": {ref: _output_words(output) for ref, output in graph.outputs.items()},
@@ -62,15 +65,24 @@ def _record(run: RunOptions) -> Any:
 
 
 def _input_words(given: InputChannel, *, portable_paths: bool) -> dict[str, Any]:
-    words: dict[str, Any] = {"channel": given.name, "type": given.type_name}
+    words: dict[str, Any] = {_source_key(given): given.name, "type": given.type_name}
     if given.log is not None:
         words = {"log": given.log_written if portable_paths else given.log_anywhere, **words}
     return words if given.max_age_s is None else {**words, "max_age_s": given.max_age_s}
 
 
 def _output_words(given: OutputChannel) -> dict[str, Any]:
-    words = {"channel": given.name, "type": given.type_name, "motor": given.motor, "max_age_s": given.max_age_s}
+    words = {
+        _source_key(given): given.name,
+        "type": given.type_name,
+        "motor": given.motor,
+        "max_age_s": given.max_age_s,
+    }
     return words if given.stop is None else {**words, "stop": given.stop}
+
+
+def _source_key(given: InputChannel | OutputChannel) -> str:
+    return "channel" if given.ros_type is None else "ros2"
 
 
 def _part_words(part: Part) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
+from graphnav.core.ros2 import LOOPBACK, MAX_DOMAIN
 from graphnav.core.spec.declared import FileFormat, Names, Record, key
 from graphnav.core.spec.run import RunKeys
 from graphnav.core.spec.value import Value
@@ -17,8 +18,8 @@ RESERVED_STAGES = ("run",)
 """No stage is called so: ``--set run.seed=1`` means the option."""
 FILE_KEYS = ("extends", "plugins")
 """Read file by file, before the files of a graph are merged."""
-SOURCE_KEYS = {"channel", "log"}
-"""One of them says where an input comes from."""
+SOURCE_KEYS = {"channel", "log", "ros2"}
+"""One of them says where an input comes from; what leaves has no log."""
 STOP_AFTER_S = 0.5
 """Silence of a motor channel that is answered by stops, unless the graph sets it."""
 MAX_STOP_AFTER_S = 5.0
@@ -26,7 +27,8 @@ MAX_STOP_AFTER_S = 5.0
 
 _PORT = rf"{STAGE_NAME}\.{STAGE_NAME}"
 _CHANNEL = r"(?!graphnav\.)[!-~]{1,63}"
-_TYPE = r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*"
+_TYPE = r"[A-Za-z_][A-Za-z0-9_]*([./][A-Za-z_][A-Za-z0-9_]*)*"
+_TOPIC = r"(/[A-Za-z_][A-Za-z0-9_]*)+"
 _PORTS = Names(_PORT)
 _INPUTS = Names(_PORT, "the name of an input", "write stem.port in small letters, digits and _, as in camera.image")
 _PARTS = Names(STAGE_NAME, "a process's name", "use small letters, digits and _, beginning with a letter")
@@ -62,6 +64,7 @@ class InputKeys(Record):
     conditions: ClassVar[Mapping[str, Any]] = {
         "anyOf": [
             {"required": ["log"]},
+            {"required": ["ros2"]},
             {"properties": {"channel": {"pattern": f"^{_CHANNEL}$"}}, "required": ["channel"]},
         ]
     }
@@ -71,11 +74,14 @@ class InputKeys(Record):
         None, not_empty=True, doc="the LCM channel that another program writes; of a log, the channel in it"
     )
     log: str = key(None, not_empty=True, doc="a log that is played at its stamps")
+    ros2: str = key(
+        None, not_empty=True, doc="in place of `channel`, the ROS 2 topic that another program publishes: `/name`"
+    )
     type: str = key(
         not_empty=True,
         pattern=_TYPE,
         missing="does not say what it carries",
-        doc="the LCM type on the wire: `package.type_t`",
+        doc="the LCM type on the wire, `package.type_t`; of a topic the ROS 2 type, `package/Type`",
         hint="write type: package.type_t",
     )
     max_age_s: float = key(
@@ -89,22 +95,31 @@ class OutputKeys(Record):
     noun = "an output"
     named = "the output '{}'"
     conditions: ClassVar[Mapping[str, Any]] = {
-        "dependentSchemas": {"stop": {"properties": {"motor": {"const": True}}, "required": ["motor"]}}
+        "dependentSchemas": {"stop": {"properties": {"motor": {"const": True}}, "required": ["motor"]}},
+        "anyOf": [{"required": ["channel"]}, {"required": ["ros2"]}],
     }
     example = "guard.twist: {channel: BASE, motor: true}"
 
     channel: str = key(
+        None,
         not_empty=True,
         pattern=_CHANNEL,
-        missing="does not say on which channel it leaves",
         doc="the LCM channel on which it leaves",
         hint="write channel: NAME",
+    )
+    ros2: str = key(
+        None,
+        not_empty=True,
+        pattern=_TOPIC,
+        doc="in place of `channel`, the ROS 2 topic on which it leaves: `/name`",
+        hint="write ros2: /name",
     )
     type: str = key(
         None,
         not_empty=True,
         pattern=_TYPE,
-        doc="the LCM type on the wire: `package.type_t`; default: that of the message",
+        doc="the LCM type on the wire, `package.type_t`; default: that of the message. Of a topic the ROS 2 type, "
+        "`package/Type`; default: the only one that carries the message",
         hint="write type: package.type_t",
     )
     motor: bool = key(default=False, doc="whether it moves something: stops follow it; a Twist has to say")
@@ -112,7 +127,20 @@ class OutputKeys(Record):
         STOP_AFTER_S, gt=0, le=MAX_STOP_AFTER_S, doc="silence of a motor channel that is answered by stops"
     )
     stop: Mapping[str, Value] = key(
-        None, min_items=1, doc="the LCM fields of the stop message", hint="write stop: {field: value}"
+        None, min_items=1, doc="the fields of the stop message", hint="write stop: {field: value}"
+    )
+
+
+class Ros2Keys(Record):
+    """Where the ROS 2 programs are that publish and subscribe the topics of a graph."""
+
+    noun = "ros2"
+    named = "ros2"
+    example = "ros2: {domain: 3, interface: eth0}"
+
+    domain: int = key(None, ge=0, le=MAX_DOMAIN, doc="the domain of the ROS programs; default: `ROS_DOMAIN_ID`, else 0")
+    interface: str = key(
+        LOOPBACK, not_empty=True, doc="the network interface on which they are; lo: programs of this machine alone"
     )
 
 
@@ -183,6 +211,7 @@ class GraphKeys(Record):
     stages: Mapping[str, StageKeys] = key(
         min_items=1, names=_STAGES, missing="has no 'stages'", doc="by name", hint="write stages: and what they use"
     )
+    ros2: Ros2Keys | None = key(None, doc="where the ROS 2 programs are, for inputs and outputs that are ROS 2 topics")
     channels: Mapping[str, str] | None = key(
         None, pattern=_CHANNEL, names=_PORTS, doc="LCM channels with another name than `stage.port`"
     )

@@ -17,7 +17,9 @@ from graphnav.core.spec.graph_keys import (
     STOP_AFTER_S,
     GraphKeys,
     InputKeys,
+    OutputKeys,
     PartKeys,
+    Ros2Keys,
     StageKeys,
 )
 from graphnav.core.spec.value import Entry, Value
@@ -68,11 +70,14 @@ class InputSpec:
     log: Entry | None = None
     """The value is a string."""
     max_age_s: float | None = None
+    ros2: Entry | None = None
+    """The value is a string, a topic."""
 
     @property
     def channel_name(self) -> str:
-        """The LCM channel, or that in the log; empty where the reference is meant."""
-        return "" if self.channel is None else str(self.channel.value.data)
+        """The LCM channel, the topic, or the channel in the log; empty where the reference is meant."""
+        named = self.ros2 or self.channel
+        return "" if named is None else str(named.value.data)
 
 
 @dataclass
@@ -89,6 +94,8 @@ class OutputSpec:
     max_age_s: float = STOP_AFTER_S
     stop: Entry | None = None
     """The value is a mapping."""
+    ros2: Entry | None = None
+    """The value is a string, a topic."""
     unclear: bool = False
     """Whether something is wrong with it, so that what seems missing may be in it."""
 
@@ -125,6 +132,8 @@ class Spec:
     outputs: dict[str, OutputSpec] = field(default_factory=dict)
     queues: dict[str, QueueSpec] = field(default_factory=dict)
     deploy: dict[str, PartSpec] = field(default_factory=dict)
+    ros2: Ros2Keys | None = None
+    """None: the graph does not say."""
     folders: dict[str, Path] = field(default_factory=dict)
     """The folder of each file of the graph, by the file's name in places: paths are relative to it."""
 
@@ -172,6 +181,7 @@ def outline(value: Value) -> Spec:
         inputs={ref: _input(entry) for ref, entry in _section(words, "inputs").items() if not _is_queue(entry)},
         outputs={ref: _output(entry) for ref, entry in _section(words, "outputs").items()},
         queues=queues,
+        ros2=read_record(Ros2Keys, words["ros2"].value)[0] if _section(words, "ros2") else None,
         deploy={name: part for name, entry in _section(words, "deploy").items() if (part := _part(entry))},
     )
 
@@ -200,7 +210,7 @@ def _stage(name: str, entry: Entry) -> StageSpec | None:
 def _input(entry: Entry) -> InputSpec:
     words = _mapping(entry.value)
     channel, log, lcm_type = (_string(words, key) for key in ("channel", "log", "type"))
-    return InputSpec(entry.place, lcm_type, channel, log, _number(words, "max_age_s"))
+    return InputSpec(entry.place, lcm_type, channel, log, _number(words, "max_age_s"), _string(words, "ros2"))
 
 
 def _is_queue(entry: Entry) -> bool:
@@ -219,6 +229,7 @@ def _output(entry: Entry) -> OutputSpec:
         _data(words, "motor", bool) if "motor" in words else None,
         STOP_AFTER_S if max_age_s is None else max_age_s,
         words.get("stop") if _section(words, "stop") else None,
+        _string(words, "ros2"),
     )
 
 
@@ -242,6 +253,8 @@ def _problems(value: Value) -> Iterator[Problem]:
     yield from _reserved_names(_section(words, "stages"))
     yield from _lacking_sources(_section(words, "inputs"))
     yield from _idle_stops(_section(words, "outputs"))
+    for kind, record in (("input", InputKeys), ("output", OutputKeys)):
+        yield from _two_sources(kind, record, _section(words, f"{kind}s"))
     if _section(words, "run"):
         del words["run"]
     if inputs := _section(words, "inputs"):
@@ -267,7 +280,10 @@ def _lacking_sources(inputs: Words) -> Iterator[Problem]:
             keep = keep if isinstance(keep, int | str) else "all"
             yield Problem(entry.place, what, f"write queues: {{{ref}: {{keep: {keep}}}}}")
         elif isinstance(entry.value.data, dict | None) and words.keys() <= keys_of(InputKeys).keys() - SOURCE_KEYS:
-            hint = f"write {ref}: {{channel: NAME, type: package.type_t}}, or log: FILE in place of the channel"
+            hint = (
+                f"write {ref}: {{channel: NAME, type: package.type_t}}, or log: FILE or ros2: /topic in place of the "
+                "channel"
+            )
             yield Problem(entry.place, f"the input '{ref}' does not say where it comes from", hint)
 
 
@@ -279,6 +295,23 @@ def _idle_stops(outputs: Words) -> Iterator[Problem]:
         if "stop" in words and motor is False:
             what = f"the output '{ref}' has a 'stop', but is not a motor output"
             yield Problem(words["stop"].place, what, "write motor: true, or remove the stop")
+
+
+def _two_sources(kind: str, record: type[InputKeys | OutputKeys], entries: Words) -> Iterator[Problem]:
+    """Yield the topics beside a channel or a log, and the outputs that have neither."""
+    for ref, entry in entries.items():
+        words = _mapping(entry.value)
+        others = [key for key in ("channel", "log") if key in words]
+        if "ros2" in words and others:
+            what = f"the {kind} '{ref}' has a {others[0]} and a ROS 2 topic"
+            yield Problem(words["ros2"].place, what, f"remove '{others[0]}' or 'ros2'")
+        elif (
+            kind == "output"
+            and isinstance(entry.value.data, dict | None)
+            and words.keys() <= (keys_of(record).keys() - SOURCE_KEYS)
+        ):
+            what = f"the output '{ref}' does not say on which channel it leaves"
+            yield Problem(entry.place, what, "write channel: NAME, or ros2: /topic")
 
 
 def _mapping(value: Value) -> Words:

@@ -152,12 +152,16 @@ def message_sizes(graph: Graph) -> list[MessageSize]:
     if not graph.is_live:
         sizes = [MessageSize(channel, n_bytes) for channel, n_bytes in measured.items()]
     else:
-        sent = {output.name: measured.get(output.channel.name) for output in graph.outputs.values()}
+        sent = {
+            output.name: measured.get(output.channel.name)
+            for output in graph.outputs.values()
+            if output.ros_type is None
+        }
         sizes = [MessageSize(channel, n_bytes) for channel, n_bytes in sent.items() if n_bytes is not None]
         sizes += [
             MessageSize(given.name, _ASSUMED_IMAGE_BYTES, is_received=True, assumed="640x480 RGB")
             for given in graph.inputs.values()
-            if given.log is None and given.channel.message.grid
+            if given.is_channel and given.channel.message.grid
         ]
     return sorted(sizes, key=lambda size: size.n_bytes, reverse=True)
 

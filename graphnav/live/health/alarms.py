@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from graphnav.core.bus import Bus
 from graphnav.core.codec import codec_of
+from graphnav.core.dds import Ros2Node
 from graphnav.core.errors import shown_name
+from graphnav.core.graph import InputChannel
 from graphnav.core.large_messages import PACKET_BYTES
 from graphnav.core.machine import ReceiveBuffer
+from graphnav.core.ros2 import LOOPBACK
 from graphnav.core.runner import size_text
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.motor_traffic import MotorTraffic
 from graphnav.live.inputs.intake import Intake
 from graphnav.live.inputs.receiver import SCAN_S, Receiver, TypeScan
 from graphnav.live.live_schedule import LiveSchedule
+from graphnav.live.outlet import Outlet
 
 _MIN_OVERTAKEN = 3
 """Fewer overtaken messages per second are counted, but not reported."""
@@ -28,6 +32,7 @@ _MIN_FOREIGN = 5
 _MIN_REFUSED = 3
 """Fewer refused commands are counted, but not reported."""
 _SILENT_S = 2.0
+_MAX_NAMED = 3
 
 
 class Alarms:
@@ -51,14 +56,14 @@ class Alarms:
         if self._scan is not None:
             self._scan.close()
 
-    def look(self, receiver: Receiver | None) -> Iterator[str]:
-        """Yield the alarms since the last call; ``receiver``: what listens for the inputs, None before it does."""
+    def look(self, receiver: Receiver | None, topics: Ros2Node | None) -> Iterator[str]:
+        """Yield the alarms since the last call; ``receiver``, ``topics``: what listens, None before it does."""
         now_s = self._schedule.clock.now_s()
         elapsed_s, self._asked_s = max(now_s - self._asked_s, 1e-6), now_s
         yield from self._clocks.look()
         yield from self._late(elapsed_s)
         for intake in self._schedule.intakes.values():
-            yield from self._silent(intake, now_s, receiver)
+            yield from self._silent(intake, now_s, receiver, topics)
             yield from self._lost(intake)
         yield from self.of_sources()
         for timer, unit in self._schedule.live_sources:
@@ -71,8 +76,11 @@ class Alarms:
             yield from self._dropped(receiver)
         for outlet in self._schedule.outlets.values():
             ref, channel = outlet.target.channel.ref, outlet.target.name
+            if topics is not None and outlet.target.ros_type is not None:
+                yield from self._unheard(outlet, now_s, topics)
             if self._is_news(f"{ref} refused", outlet.refused, _MIN_REFUSED):
-                taker = "by the process that sends the motor channels" if outlet.target.motor else "by LCM"
+                taker = "by LCM" if outlet.target.ros_type is None else "by DDS"
+                taker = "by the process that sends the motor channels" if outlet.target.motor else taker
                 yield f"not sent: {outlet.refused} messages of {ref} on {channel} were not taken {taker}"
             if self._is_news(f"{ref} overtaken", outlet.overtaken, 1):
                 yield f"not sent: {outlet.overtaken} messages of {ref} on {channel}: newer ones were pending"
@@ -123,16 +131,24 @@ class Alarms:
             if self._is_news(f"{name} missed", unit.missed, 1):
                 yield f"late: {name} missed its deadline of {unit.node.deadline_ms:g} ms {unit.missed} times"
 
-    def _silent(self, intake: Intake, now_s: float, receiver: Receiver | None) -> Iterator[str]:
+    def _silent(
+        self, intake: Intake, now_s: float, receiver: Receiver | None, topics: Ros2Node | None
+    ) -> Iterator[str]:
         """Yield the silence of an input on which nothing arrives, and other channels that carry its type."""
         ref, what = intake.source.channel.ref, f"{intake.source.channel.ref} silent"
         silent_s = now_s - max(intake.mailbox.heard_s, self._schedule.clock.start_s)
         if not self._schedule.is_needed(ref) or silent_s <= _SILENT_S - SCAN_S:
             self._told.pop(what, None)
             return
+        if topics is not None and intake.source.ros_type is not None:
+            if silent_s > _SILENT_S and self._is_news(what, round(silent_s), 1):
+                who = f"silent: {ref} has had no message on {intake.source.name} for {silent_s:.0f} s"
+                own = {one.name for one in self._schedule.graph.outputs.values()}
+                yield f"{who}; {why_silent(intake.source, topics, own)}"
+            return
         is_due = silent_s + SCAN_S >= max(_SILENT_S, 2 * self._told.get(what, 0))
-        if is_due and self._scan is None and receiver is not None and intake.source.log is None:
-            sources = [one.source for one in self._schedule.intakes.values()]
+        if is_due and self._scan is None and receiver is not None and intake.source.is_channel:
+            sources = [one.source for one in self._schedule.intakes.values() if one.source.ros_type is None]
             self._scan = TypeScan(receiver.url, {codec_of(source.lcm_class).fingerprint for source in sources})
         if silent_s <= _SILENT_S or not (self._scan is None or self._scan.is_over):
             return
@@ -140,6 +156,15 @@ class Alarms:
             others = "".join(f"; {one}" for one in self._same_type(intake))
             yield f"silent: {ref} has had no message on {intake.source.name} for {silent_s:.0f} s{others}"
             self._scan = None
+
+    def _unheard(self, outlet: Outlet, now_s: float, topics: Ros2Node) -> Iterator[str]:
+        """Yield that no program subscribes a topic; this run does so itself where it is a motor's."""
+        target, run_s = outlet.target, now_s - self._schedule.clock.start_s
+        if run_s > _SILENT_S and topics.listeners(target.name) <= target.motor:
+            if self._is_news(f"{target.channel.ref} unheard", round(run_s), 1):
+                yield f"not heard: no program subscribes {target.name} in {topics.network}"
+        else:
+            self._told.pop(f"{target.channel.ref} unheard", None)
 
     def _same_type(self, intake: Intake) -> Iterator[str]:
         """Yield the channels of other programs that carry the type of a silent input."""
@@ -177,8 +202,7 @@ class Alarms:
         sizes = {
             f"{intake.source.channel.ref} on {intake.source.name}": intake.mailbox.largest_bytes
             for intake in self._schedule.intakes.values()
-            if intake.source.log is None
-            and (intake.mailbox.largest_bytes > PACKET_BYTES or _is_unheard_picture(intake))
+            if intake.source.is_channel and (intake.mailbox.largest_bytes > PACKET_BYTES or _is_unheard_picture(intake))
         }
         messages = ", ".join(f"{size_text(size)} of {name}" if size else name for name, size in sizes.items())
         yield (
@@ -193,6 +217,25 @@ class Alarms:
             return False
         self._told[what] = count
         return True
+
+
+def why_silent(source: InputChannel, topics: Ros2Node, own: Collection[str]) -> str:
+    """Return what the publishers that were found tell of a topic without messages; ``own``: topics of the run."""
+    found = [one for one in topics.publishers() if one.topic not in own]
+    types = dict.fromkeys(shown_name(one.type_name) for one in found if one.topic == source.name)
+    others = dict.fromkeys(
+        shown_name(one.topic) for one in found if one.type_name == source.type_name and one.topic != source.name
+    )
+    if types and source.type_name not in types:
+        return f"its publisher has the type {', '.join(types)}, not {source.type_name}"
+    if types and source.channel.message.many_writers:
+        return "it has a publisher, which sends nothing or not reliably"
+    if types:
+        return "it has a publisher, which sends nothing"
+    if others:
+        return f"{source.type_name} is published on {', '.join(list(others)[:_MAX_NAMED])}"
+    reach = " (programs of this machine alone)" if topics.network.interface == LOOPBACK else ""
+    return f"no program publishes it in {topics.network}{reach}: is it another domain or interface?"
 
 
 def _is_unheard_picture(intake: Intake) -> bool:

@@ -125,7 +125,7 @@ def _remedy(graph: Graph, node: Node, url: str) -> str:
     words, deeds = ["graphnav", "teleop"], []
     for port, option, default, deed in _BY_HAND:
         source = sources.get(port)
-        if source is not None and source.log is None:
+        if source is not None and source.is_channel:
             deeds.append(deed)
             words += [option, source.name] * (source.name != default)
     if not deeds:

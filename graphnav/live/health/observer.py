@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from graphnav import Status
 from graphnav.core.codec import encode
+from graphnav.core.dds import Ros2Node
 from graphnav.live.health.alarms import Alarms
 from graphnav.live.health.clocks import Clocks
 from graphnav.live.health.guard_holds import GuardHolds
@@ -22,8 +23,8 @@ class Observer:
     """Publishes ``graphnav.status`` once a second and reports through ``notice`` what is late, lost or hangs.
 
     ``losses`` returns what the tap and the log lose. ``told``: the first 100 notices. ``traffic`` counts
-    the messages on the motor channels. ``receiver`` is set when it listens. ``status``: the newest status.
-    ``url``: of the run's inputs and outputs.
+    the messages on the motor channels. ``receiver`` and ``topics`` are set when they listen. ``status``: the newest
+    status. ``url``: of the run's inputs and outputs.
     """
 
     def __init__(
@@ -33,6 +34,7 @@ class Observer:
         self.traffic = MotorTraffic()
         self._schedule, self._notice = schedule, notice
         self.receiver: Receiver | None = None
+        self.topics: Ros2Node | None = None
         self._holds = GuardHolds(schedule, url)
         clocks = Clocks(schedule)
         self._alarms = Alarms(schedule, self.traffic, clocks)
@@ -60,7 +62,7 @@ class Observer:
             self.tell(line)
         if not (changes or self._reporter.is_due()):
             return False
-        lines = list(self._alarms.look(self.receiver))
+        lines = list(self._alarms.look(self.receiver, self.topics))
         self.status = self._reporter.make()
         self._publish()
         for line in lines:

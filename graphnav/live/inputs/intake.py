@@ -9,19 +9,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from graphnav import FieldError, Message
-from graphnav.core.codec import DecodeError, codec_of, fields_of, lcm_name, type_of
+from graphnav.core.codec import DecodeError, fields_of, lcm_name, type_of
 from graphnav.core.errors import failure_line
 from graphnav.core.graph import InputChannel
 from graphnav.core.interrupts import CtrlC
 from graphnav.live.clock import LiveClock
 from graphnav.live.inputs.packet_sources import PacketSources
-from graphnav.live.inputs.receiver import Arrival, Mailbox
+from graphnav.live.inputs.receiver import NEWEST, Arrival, Mailbox
 from graphnav.live.inputs.sender_monitor import SenderMonitor, Verdict
+from graphnav.live.inputs.topic_receiver import TopicReceiver
 from graphnav.live.motors.channel import INT64_BYTES
 from graphnav.live.motors.offsets import offsets_of
 
-NEWEST = 8
-"""Maximum number of pending messages if only the newest counts: images of 640x480 have 0.3 to 0.9 MB."""
 GATHERED = 1024
 """Maximum number of pending messages if every one counts."""
 FLOOD, WRONG_TYPE, UNDECODABLE, UNREADABLE = "flood", "wrong type", "undecodable", "unreadable"
@@ -50,19 +49,20 @@ class Intake:
     def __init__(self, source: InputChannel, clock: LiveClock, *, needs_all: bool) -> None:
         self.source = source
         self.monitor = SenderMonitor(source.max_age_s)
-        self.mailbox = Mailbox(codec_of(source.lcm_class).fingerprint, GATHERED if needs_all else NEWEST, self._is_own)
+        self._codec = source.codec
+        self.mailbox = Mailbox(self._codec.fingerprint, GATHERED if needs_all else NEWEST, self._is_own)
         self.needs_all = needs_all
         self.used = 0
         """Number of delivered messages."""
         self.overtaken = 0
         """Number of valid messages that were older than the newest."""
-        self.sources: PacketSources | None = None
+        self.sources: PacketSources | TopicReceiver | None = None
         """Where its messages come from, if that is known."""
         self._clock = clock
-        self._codec = codec_of(source.lcm_class)
         self._sizes: tuple[tuple[int, ...], ...] | None = None
         self._step_px = 1
-        self._seq_at = None if source.channel.message.many_writers else offsets_of(source.lcm_class)[1]
+        is_numbered = source.ros_type is None and not source.channel.message.many_writers
+        self._seq_at = offsets_of(source.lcm_class)[1] if is_numbered else None
         self._seen_wrong = self._seen_overflowed = self._seen_flooded = 0
         self._overflowed_before: int | None = None
         """Messages that the mailbox had dropped when the first one was judged: their numbers are not missed."""

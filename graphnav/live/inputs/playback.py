@@ -82,7 +82,7 @@ def _stream(
         hint = f"it has {known}" if known else "it is empty"
         raise UserError.of(f"{recording.path} does not contain the channel '{source.name}'", hint, source.place)
     data = recording.event(source.name, 0).data
-    if data[:8] != codec_of(source.lcm_class).fingerprint:
+    if not data.startswith(codec_of(source.lcm_class).fingerprint):
         found = recording.channels[source.name]
         kind = "another type" if found is None else found.__name__
         raise UserError.of(

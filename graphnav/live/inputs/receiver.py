@@ -20,6 +20,8 @@ SCAN_S = 1.0
 _MAX_SCANNED = 16
 """Maximum number of channels that a scan keeps: their names are others'."""
 _MAX_SCAN_QUEUE = 256
+NEWEST = 8
+"""Maximum number of pending messages if only the newest counts: images of 640x480 have 0.3 to 0.9 MB."""
 MAX_OF_OTHERS = 8
 """Maximum number of pending messages of other writers."""
 
@@ -36,7 +38,7 @@ def _anyone(_data: bytes, _at_s: float) -> bool:
 
 
 class Mailbox:
-    """The newest messages of one channel that have the right fingerprint.
+    """The newest messages of one channel that begin with the right fingerprint; those of a topic have none.
 
     ``is_own``: whether a message is from the accepted writer, by its bytes and its arrival. Messages of others, at most
     8, are kept separately, so that they never displace those of the accepted writer.
@@ -63,7 +65,7 @@ class Mailbox:
     def put(self, data: bytes, at_s: float) -> bool:
         """Store a message; return whether it may be used: right type, accepted writer."""
         self.heard_s = at_s
-        if data[:8] != self._fingerprint:
+        if not data.startswith(self._fingerprint):
             self.wrong_mark = data[:8]
             self.wrong_type += 1
             return False

@@ -8,12 +8,23 @@ INT64_BYTES = 8
 
 
 @dataclass(frozen=True)
+class MotorTopic:
+    """A ROS 2 topic as the sending process needs it: its type by name and definition, and where ROS programs are."""
+
+    type_name: str
+    definition: str
+    domain: int
+    interface: str
+
+
+@dataclass(frozen=True)
 class MotorChannel:
-    """An LCM channel that moves a robot, as the sending process needs it.
+    """An LCM channel or a ROS 2 topic that moves a robot, as the sending process needs it.
 
     ``stop`` is an encoded message that stops the robot. ``stamp_at`` and ``seq_at`` are the byte offsets, in the stop
     and in every command, of a big-endian int64 stamp (microseconds) and an int64 sequence number; None where
-    the type has none. Silence longer than ``max_age_s`` (seconds) causes stops.
+    the type has none. Silence longer than ``max_age_s`` (seconds) causes stops. Of a ``topic`` the stamp is that of the
+    header: int32 seconds and uint32 nanoseconds, little-endian.
 
     Raises ValueError if ``max_age_s`` is not positive and finite, or an offset lies outside of ``stop``.
     """
@@ -23,6 +34,7 @@ class MotorChannel:
     stamp_at: int | None
     seq_at: int | None
     max_age_s: float
+    topic: MotorTopic | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.max_age_s < float("inf"):

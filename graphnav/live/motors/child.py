@@ -1,7 +1,7 @@
 """The process that sends the motor channels: forwards commands, and stops the robot when they end.
 
 Started by `graphnav.live.motors.sender`, which writes frames to its standard input. It reports on standard output,
-once, whether LCM is open; the only argument is the descriptor of a memory file for the counts.
+once, whether LCM and ROS 2 are open; the only argument is the descriptor of a memory file for the counts.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from collections.abc import Sequence
 from types import FrameType
 from typing import Any
 
-from graphnav.core.bus import Bus
-from graphnav.core.errors import BusError
-from graphnav.live.motors.channel import MotorChannel
+from graphnav import GraphnavError
+from graphnav.live.motors.channel import MotorChannel, MotorTopic
 from graphnav.live.motors.counts import Counts, SharedCounts
 from graphnav.live.motors.frames import FAILED, READY, Frame, FrameReader, Kind
+from graphnav.live.motors.links import MotorLinks
 from graphnav.live.motors.motor import Motor
 from graphnav.live.motors.schedule import STOP_FOR_S
 
@@ -119,23 +119,30 @@ class Child:
 
 
 def main() -> int:
-    """Open LCM, report it, and send until the run ends."""
+    """Open LCM and ROS 2, report it, and send until the run ends."""
     signals_fd = _signals()
     setup = _read_setup()
     if setup is None:
         return 1
     shared = SharedCounts(int(sys.argv[1]))
+    channels = [_channel(words) for words in setup["channels"]]
     try:
-        bus = Bus(setup["url"])
-    except BusError as error:
+        links = MotorLinks(setup["url"], channels)
+    except GraphnavError as error:
         _say(FAILED + str(error).encode())
         return 1
-    channels = [MotorChannel(**{**channel, "stop": bytes.fromhex(channel["stop"])}) for channel in setup["channels"]]
     _raise_priority()
     _say(READY)
-    child = Child([Motor(channel, bus) for channel in channels], _COMMANDS, [signals_fd, *_watch(setup["parent"])])
-    child.run(shared)
+    motors = [Motor(channel, links.of(channel)) for channel in channels]
+    Child(motors, _COMMANDS, [signals_fd, *_watch(setup["parent"])]).run(shared)
+    links.close()
     return 0
+
+
+def _channel(words: dict[str, Any]) -> MotorChannel:
+    topic = words["topic"]
+    stop = bytes.fromhex(words["stop"])
+    return MotorChannel(**words | {"stop": stop, "topic": None if topic is None else MotorTopic(**topic)})
 
 
 def _signals() -> int:

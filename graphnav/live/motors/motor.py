@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
-from graphnav.core.bus import Bus
 from graphnav.core.errors import BusError
 from graphnav.live.motors.channel import MotorChannel
 from graphnav.live.motors.schedule import StopSchedule
 from graphnav.live.motors.stop_message import StopMessage
+
+
+class Publishes(Protocol):
+    """Sends messages, by LCM or ROS 2."""
+
+    def publish(self, channel: str, data: bytes, /) -> None:
+        """Send a message at once; raises BusError if it is not taken."""
 
 
 class Motor:
@@ -17,7 +24,7 @@ class Motor:
     Messages that the network refuses are counted in ``failed`` and not repeated: the next command or stop follows soon.
     """
 
-    def __init__(self, channel: MotorChannel, bus: Bus) -> None:
+    def __init__(self, channel: MotorChannel, bus: Publishes) -> None:
         self.forwarded = self.stops = self.failed = self.late = 0
         self._name, self._max_age_s = channel.name, channel.max_age_s
         self._bus = bus

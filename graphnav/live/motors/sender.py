@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from dataclasses import asdict
 
 from graphnav.core.errors import BusError
 from graphnav.live.motors.channel import MotorChannel
@@ -153,7 +154,7 @@ class MotorSender:
             {
                 "url": url,
                 "parent": os.getpid(),
-                "channels": [vars(channel) | {"stop": channel.stop.hex()} for channel in channels],
+                "channels": [asdict(channel) | {"stop": channel.stop.hex()} for channel in channels],
             }
         ).encode()
         if len(words) > _MAX_SETUP_BYTES:

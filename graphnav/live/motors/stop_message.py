@@ -8,6 +8,7 @@ import time
 from graphnav.live.motors.channel import INT64_BYTES, MotorChannel
 
 _INT64 = struct.Struct(">q")
+_HEADER_STAMP = struct.Struct("<iI")
 
 
 def _wall_us() -> int:
@@ -25,6 +26,7 @@ class StopMessage:
     def __init__(self, channel: MotorChannel) -> None:
         self._stop = bytearray(channel.stop)
         self._stamp_at, self._seq_at = channel.stamp_at, channel.seq_at
+        self._is_topic = channel.topic is not None
         self._stamp: tuple[int, float] | None = None
         self._seq = -1
         self._n_stops = 0
@@ -32,7 +34,7 @@ class StopMessage:
     def forward(self, data: bytes, sent_s: float) -> bytes:
         """Return a command, sent at the monotonic time ``sent_s`` (seconds), as it is forwarded."""
         if (at := self._stamp_at) is not None and len(data) >= at + INT64_BYTES:
-            self._stamp = _INT64.unpack_from(data, at)[0], sent_s
+            self._stamp = self._stamp_in(data, at), sent_s
         if (at := self._seq_at) is not None and len(data) >= at + INT64_BYTES:
             self._seq = _wrapped(_INT64.unpack_from(data, at)[0] + self._n_stops)
             if self._n_stops:
@@ -43,12 +45,25 @@ class StopMessage:
         """Return the next stop at the monotonic time ``now_s`` (seconds)."""
         if self._stamp_at is not None:
             stamp, sent_s = self._stamp or (_wall_us(), now_s)
-            _INT64.pack_into(self._stop, self._stamp_at, _wrapped(stamp + round((now_s - sent_s) * 1e6)))
+            self._put_stamp(self._stamp_at, _wrapped(stamp + round((now_s - sent_s) * 1e6)))
         if self._seq_at is not None:
             self._n_stops += 1
             self._seq = _wrapped(self._seq + 1)
             _INT64.pack_into(self._stop, self._seq_at, self._seq)
         return bytes(self._stop)
+
+    def _stamp_in(self, data: bytes, at: int) -> int:
+        if self._is_topic:
+            sec, nanosec = _HEADER_STAMP.unpack_from(data, at)
+            return int(sec) * 1_000_000 + int(nanosec) // 1000
+        return int(_INT64.unpack_from(data, at)[0])
+
+    def _put_stamp(self, at: int, utime: int) -> None:
+        if self._is_topic:
+            sec, us = divmod(utime, 1_000_000)
+            _HEADER_STAMP.pack_into(self._stop, at, (sec + 2**31) % 2**32 - 2**31, us * 1000)
+        else:
+            _INT64.pack_into(self._stop, at, utime)
 
 
 def _wrapped(value: int) -> int:

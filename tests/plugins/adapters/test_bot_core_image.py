@@ -62,7 +62,7 @@ def crossed(values: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def test_the_hook_gives_it() -> None:
-    (adapter,) = graphnav_adapters()
+    adapter = graphnav_adapters()[0]
     assert isinstance(adapter, BotCoreImage)
     assert isinstance(adapter, Adapter)
     assert (adapter.type_name, adapter.message) == ("bot_core.image_t", Image)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from graphnav.core.catalog import Catalog
@@ -11,7 +11,7 @@ from graphnav.core.graph.overrides.prune import forget, prune
 from graphnav.core.graph.overrides.rewire import Rewiring
 from graphnav.core.graph.read.graph_files import GraphFile
 from graphnav.core.graph.read.merge import StageMerge, merge_entries
-from graphnav.core.spec import Spec, Value
+from graphnav.core.spec import Entry, Spec, Value
 
 _READ_BEFORE = ("extends", "plugins")
 """Keys that mean something before files are merged."""
@@ -19,6 +19,8 @@ _VALUES = ("run",)
 """Sections in which null is a value."""
 _SECTIONS = ("channels", "inputs", "outputs", "queues", "deploy")
 """Sections in which null removes an entry of the extended graph."""
+_WIRE_KEYS = ("channel", "log", "ros2", "type", "stop")
+"""Keys that an input or an output loses when its source is replaced by one of another kind."""
 
 
 @dataclass(frozen=True)
@@ -79,9 +81,30 @@ def _merged(base: Value, over: Value, stages: StageMerge, problems: list[Problem
         if key == "stages" and old is not None:
             words[key] = stages.merge(old, entry)
         elif key in (*_VALUES, *_SECTIONS) and old is not None:
-            words[key] = merge_entries(old, entry, f"'{key}'", problems, null_removes=key in _SECTIONS)
+            before = _without_sources(old, entry) if key in ("inputs", "outputs") else old
+            words[key] = merge_entries(before, entry, f"'{key}'", problems, null_removes=key in _SECTIONS)
             if key == "inputs":
                 stages.note_removed(old, entry)
         else:
             words[key] = entry
     return Value(words, over.place)
+
+
+def _without_sources(old: Entry, new: Entry) -> Entry:
+    """Return inputs or outputs without the channels, logs and types for which ``new`` has a topic, and vice versa."""
+    if not isinstance(old.value.data, dict) or not isinstance(new.value.data, dict):
+        return old
+    words = dict(old.value.data)
+    for ref, entry in words.items():
+        over = new.value.data[ref].value.data if ref in new.value.data else None
+        mine = entry.value.data
+        if isinstance(over, dict) and isinstance(mine, dict) and _is_other_kind(mine, over):
+            kept = {key: one for key, one in mine.items() if key not in _WIRE_KEYS or key in over}
+            words[ref] = Entry(entry.place, Value(kept, entry.value.place), entry.is_override)
+    return Entry(old.place, Value(words, old.value.place), old.is_override)
+
+
+def _is_other_kind(old: Mapping[str, Entry], new: Mapping[str, Entry]) -> bool:
+    """Whether one names a ROS 2 topic, and the other an LCM channel or a log."""
+    given = {key for key in ("channel", "log", "ros2") if key in new and new[key].value.data is not None}
+    return bool(given) and ("ros2" in given) != ("ros2" in old)

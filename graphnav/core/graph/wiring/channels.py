@@ -8,6 +8,7 @@ from itertools import chain
 
 from graphnav.core.errors import Place, Problem, did_you_mean
 from graphnav.core.graph.node import Channel, InputChannel, OutputChannel
+from graphnav.core.ros2 import why_not_a_topic
 from graphnav.core.spec import Entry, Spec
 from graphnav.core.stage import Stage, ports_of
 
@@ -96,15 +97,22 @@ def check_outside_names(
     """
     users = {channel.name: f"stage '{channel.stage}' writes" for ref, channel in channels.items() if ref not in inputs}
     for ref, found in inputs.items():
+        _check_topic(f"the input '{ref}'", spec.inputs[ref].ros2, problems)
         entry = spec.inputs[ref].channel
         if found.log is None and entry is not None:
             _check(f"the input '{ref}'", entry, users, f"the input '{ref}' listens to", problems)
     for ref, sent in outputs.items():
+        _check_topic(f"the output '{ref}'", spec.outputs[ref].ros2, problems)
         entry = spec.outputs[ref].channel
         if entry is not None:
             others = {name: use for name, use in users.items() if name != sent.channel.name}
             _check(f"the output '{ref}'", entry, others, f"the output '{ref}' leaves on", problems)
             users |= others
+
+
+def _check_topic(who: str, entry: Entry | None, problems: list[Problem]) -> None:
+    if entry is not None and (reason := why_not_a_topic(str(entry.value.data))):
+        problems.append(Problem(entry.value.place, f"{who}: {reason[0]}", reason[1]))
 
 
 def _check(who: str, entry: Entry, users: dict[str, str], use: str, problems: list[Problem]) -> None:

@@ -10,7 +10,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Problem
 from graphnav.core.graph.node import Channel, InputChannel
 from graphnav.core.graph.paths import resolve_paths
-from graphnav.core.graph.wiring.wire_type import WireType, type_read
+from graphnav.core.graph.wiring.wire_type import WireType, ros_type_read, type_read
 from graphnav.core.messages import Message
 from graphnav.core.spec import InputSpec, Spec
 
@@ -42,6 +42,7 @@ def inputs_of(
             given.max_age_s,
             None,
             given.place,
+            ros_type=wire.ros_type,
         )
         if given.log is not None:
             base = spec.folders.get(given.log.value.place.file, folder)
@@ -61,7 +62,8 @@ def _types(spec: Spec, catalog: Catalog, problems: list[Problem]) -> dict[str, W
         if given.type is None:
             continue
         try:
-            found[ref] = type_read(str(given.type.value.data), catalog)
+            read = type_read if given.ros2 is None else ros_type_read
+            found[ref] = read(str(given.type.value.data), catalog)
         except CatalogError as error:
             problems.append(error.problem(given.type.value.place, f"the input '{ref}': "))
     return found

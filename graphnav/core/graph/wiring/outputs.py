@@ -8,7 +8,7 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.errors import CatalogError, Problem, did_you_mean
 from graphnav.core.graph.node import Channel, Node, OutputChannel
 from graphnav.core.graph.wiring.stop_message import why_no_stop
-from graphnav.core.graph.wiring.wire_type import type_written
+from graphnav.core.graph.wiring.wire_type import ros_type_written, type_written
 from graphnav.core.messages import Message, Twist
 from graphnav.core.spec import OutputSpec, Spec
 from graphnav.core.stage import Stage
@@ -58,7 +58,8 @@ def _output(
 ) -> OutputChannel | None:
     kind = None if given.type is None else str(given.type.value.data)
     try:
-        wire = type_written(kind, channel.message, catalog)
+        written = type_written if given.ros2 is None else ros_type_written
+        wire = written(kind, channel.message, catalog)
     except CatalogError as error:
         place = given.place if given.type is None else given.type.value.place
         problems.append(Problem(place, f"the output '{ref}': {error.what}", error.hint))
@@ -73,9 +74,10 @@ def _output(
             f"the output '{ref}' carries a {channel.message.__name__}, but does not say whether something moves by it"
         )
         problems.append(Problem(given.place, what, "write motor: true, or motor: false if nothing moves by it"))
-    if given.channel is None:
+    named = given.ros2 or given.channel
+    if named is None:
         return None
-    name = str(given.channel.value.data)
+    name = str(named.value.data)
     return OutputChannel(
         channel,
         name,
@@ -86,6 +88,7 @@ def _output(
         given.max_age_s,
         stop,
         given.place,
+        wire.ros_type,
     )
 
 

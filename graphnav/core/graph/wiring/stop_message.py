@@ -17,7 +17,7 @@ from graphnav.core.messages import Twist
 def stop_fields(
     wire: WireType | OutputChannel, stop: Mapping[str, Any] | None, utime: int = 0, seq: int = 0
 ) -> Mapping[str, Any]:
-    """Return the LCM fields of a stop, stamped ``utime`` (microseconds) and numbered ``seq``.
+    """Return the fields of a stop, stamped ``utime`` (microseconds) and numbered ``seq``.
 
     ``stop``: the fields that the graph gives, in which stamp and number may be missing, as they may be in the type;
     None: what becomes of ``Twist(0, 0)``.
@@ -30,6 +30,8 @@ def stop_fields(
     twist = Twist(v_mps=0.0, omega_radps=0.0)
     if stop is None and wire.adapter is not None:
         return wire.adapter.to_lcm(twist, utime)
+    if wire.ros_type is not None and stop is not None:
+        return stop
     known = codec_of(wire.lcm_class).fields
     envelope = {name: value for name, value in (("utime", utime), ("seq", seq)) if name in known}
     return {**envelope, **(twist.lcm_fields() if stop is None else stop)}
@@ -42,7 +44,7 @@ def why_no_stop(wire: WireType, stop: Mapping[str, Any] | None) -> str:
     if stop is not None and (name := _not_finite(stop)):
         return f"its stop holds a NaN or an infinity in '{name}'"
     try:
-        codec_of(wire.lcm_class).encode(stop_fields(wire, stop))
+        wire.codec.encode(stop_fields(wire, stop))
     except EncodeError as error:
         return f"its stop is not a {wire.name}: {message_line(error)}"
     except CtrlC:

@@ -1,15 +1,17 @@
-"""Find the LCM type that a graph names, and what turns it into a message of ours or back."""
+"""Find the LCM or ROS 2 type that a graph names, and what turns it into a message of ours or back."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from graphnav.core.adapter import Adapter, Adapters
+from graphnav.core.adapter import Adapter, Adapters, Ros2Adapter
 from graphnav.core.catalog import Catalog
-from graphnav.core.codec import codec_of, lcm_name, message_class_of, message_types, type_named
+from graphnav.core.codec import Codec, codec_of, lcm_name, message_class_of, message_types, type_named
 from graphnav.core.errors import CatalogError, did_you_mean, one_line
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message
+from graphnav.core.ros2 import RosType, ros_name
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,13 @@ class WireType:
     message: type[Message]
     adapter: Adapter | None
     """None where the message class wraps the type itself."""
+    ros_type: RosType | None = None
+    """The type of a ROS 2 topic; ``lcm_class`` is then that of the message."""
+
+    @property
+    def codec(self) -> Codec | RosType:
+        """Encodes and decodes its messages."""
+        return self.ros_type or codec_of(self.lcm_class)
 
 
 def type_read(name: str, catalog: Catalog) -> WireType:
@@ -77,6 +86,57 @@ def type_written(name: str | None, message: type[Message], catalog: Catalog) -> 
         f"a {message.__name__} cannot leave as '{name}'{what}",
         f"write type: {' or '.join(fitting)}, or an Adapter from {message.__name__} to '{name}'",
     )
+
+
+def ros_type_read(name: str, catalog: Catalog) -> WireType:
+    """Return the ROS 2 type that an input names.
+
+    Raises
+    ------
+    CatalogError
+        No adapter reads it.
+    """
+    adapters, kind = catalog.adapters(), ros_name(name)
+    if kind in adapters.ros_readers:
+        return _ros(adapters.ros_readers[kind])
+    if kind in adapters.ros_writers:
+        raise CatalogError(f"the adapter of '{name}' only writes it", "give it from_ros")
+    raise _unknown_ros(name, adapters.ros_readers)
+
+
+def ros_type_written(name: str | None, message: type[Message], catalog: Catalog) -> WireType:
+    """Return the ROS 2 type in which a message leaves; ``name``: None for the only one that carries it.
+
+    Raises
+    ------
+    CatalogError
+        There is none, or the message does not turn into it.
+    """
+    writers = catalog.adapters().ros_writers
+    fitting = [kind for kind, adapter in writers.items() if issubclass(message, adapter.message)]
+    if name is None and len(fitting) == 1:
+        return _ros(writers[fitting[0]])
+    if name is not None and ros_name(name) in fitting:
+        return _ros(writers[ros_name(name)])
+    if name is not None and ros_name(name) not in {**writers, **catalog.adapters().ros_readers}:
+        raise _unknown_ros(name, writers)
+    hint = (
+        f"write type: {' or '.join(fitting)}" if fitting else f"write a Ros2Adapter with message = {message.__name__}"
+    )
+    if name is None:
+        several = f"{len(fitting)} ROS 2 types carry" if fitting else "no ROS 2 type carries"
+        raise CatalogError(f"{several} a {message.__name__}", hint)
+    raise CatalogError(f"a {message.__name__} cannot leave as '{name}'", hint)
+
+
+def _ros(adapter: Ros2Adapter) -> WireType:
+    kind = adapter.ros_type
+    return WireType(kind.name, adapter.message.lcm_class, adapter.message, adapter, kind)
+
+
+def _unknown_ros(name: str, known: Mapping[str, Ros2Adapter]) -> CatalogError:
+    hint = did_you_mean(ros_name(name), known) or f"types are {', '.join(sorted(known))}; a Ros2Adapter adds another"
+    return CatalogError(f"no adapter knows the ROS 2 type '{name}'", hint)
 
 
 def _check_truth(name: str, adapter: Adapter) -> None:

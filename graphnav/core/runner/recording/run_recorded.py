@@ -77,10 +77,14 @@ def _live(about: About, graph: Graph, *, by_outside_names: bool) -> About:
     classes = [channel.message.lcm_class for channel in graph.channels.values()]
     if by_outside_names:
         for ref, target in graph.outputs.items():
+            if target.ros_type is not None:
+                continue
             channels.pop(graph.channels[ref].name)
             channels[target.name] = target.type_name
             classes.append(target.lcm_class)
         for ref, source in graph.inputs.items():
+            if source.ros_type is not None:
+                continue
             channels.pop(graph.channels[ref].name)
             if source.log is None:
                 channels[source.name] = source.type_name
