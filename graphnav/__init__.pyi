@@ -119,6 +119,9 @@ from .core.messages import (
     BaseLimits as BaseLimits,
 )
 from .core.messages import (
+    CameraInfo as CameraInfo,
+)
+from .core.messages import (
     Components as Components,
 )
 from .core.messages import (

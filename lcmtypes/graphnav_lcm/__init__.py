@@ -6,6 +6,7 @@ lcm-gen 1.5.3
 
 from .about_t import about_t as about_t
 from .base_limits_t import base_limits_t as base_limits_t
+from .camera_info_t import camera_info_t as camera_info_t
 from .changed_t import changed_t as changed_t
 from .components_t import components_t as components_t
 from .edge_status_t import edge_status_t as edge_status_t

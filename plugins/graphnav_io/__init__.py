@@ -14,9 +14,10 @@ def graphnav_stages() -> list[type[Stage]]:
     from graphnav_io.images import Images
     from graphnav_io.prepare import Prepare
     from graphnav_io.recording import Recording
+    from graphnav_io.undistort import Undistort
     from graphnav_io.video import Video
 
-    return [Images, Video, Camera, Recording, Prepare]
+    return [Images, Video, Camera, Recording, Prepare, Undistort]
 
 
 @hookimpl

@@ -95,6 +95,43 @@ def test_pictures_come_in_commands_leave_and_the_log_keeps_stamps(live: Begin, p
         assert replay(recording, graph_to_replay(recording, catalog), ReplayOptions()).is_equal
 
 
+UNDISTORTS = """
+ros2: {{domain: {domain}}}
+run: {{record: all}}
+inputs:
+  camera.image: {{ros2: /camera/image_raw, type: sensor_msgs/Image, max_age_s: 5}}
+  camera.info:  {{ros2: /camera/camera_info, type: sensor_msgs/CameraInfo, max_age_s: 60}}
+stages:
+  straight: {{use: io.undistort, in: {{image: camera.image, info: camera.info}}}}
+  see:      {{use: probe.brightness, in: {{image: straight.image}}}}
+outputs: {{see.twist: {{ros2: /cmd_vel, type: geometry_msgs/Twist, motor: false}}}}
+"""
+
+
+def test_pictures_are_undistorted_by_the_cameras_own_parameters(live: Begin, peer: RosPeer, domain: int) -> None:
+    peer.offer("/camera/image_raw", "sensor_msgs/Image")
+    peer.offer("/camera/camera_info", "sensor_msgs/CameraInfo")
+    peer.listen("/cmd_vel", "geometry_msgs/Twist")
+    run = live(UNDISTORTS.format(domain=domain))
+    info = {"header": header(1_000_000), "height": 24, "width": 32, "distortion_model": "plumb_bob"}
+    info |= {"d": [-0.3, 0.1, 0.0, 0.0, 0.0], "k": [20.0, 0.0, 15.5, 0.0, 20.0, 11.5, 0.0, 0.0, 1.0]}
+    info |= {"r": np.eye(3).ravel().tolist(), "p": np.eye(3, 4).ravel().tolist()}
+
+    def show() -> None:
+        utime = peer.show("/camera/image_raw", 200)
+        peer.say("/camera/camera_info", info | {"header": header(utime)})
+
+    peer.wait_for(lambda: len(peer.of("/cmd_vel")) >= 3, show)
+    found = input_of(run, "camera.info")
+    assert found["accepted"] >= 1
+    assert not found["reasons"]
+    with Recording(run.folder / "run.lcmlog") as log:
+        straight = log.message("straight.image", -1)[2]
+    assert isinstance(straight, Image)
+    assert straight.pixels.shape == (24, 32)
+    assert (straight.pixels[8:16, 10:20] == 200).all()
+
+
 def test_what_cannot_be_read_is_counted_by_reason_and_good_pictures_still_count(
     live: Begin, peer: RosPeer, domain: int
 ) -> None:

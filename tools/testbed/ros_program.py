@@ -45,6 +45,11 @@ def types() -> dict[str, Any]:
     image = {"height": uint32, "width": uint32, "encoding": str, "is_bigendian": byte, "step": uint32}
     add("sensor_msgs/Image", header=head, **image, data=sequence[byte])
     add("sensor_msgs/CompressedImage", header=head, format=str, data=sequence[byte])
+    corner = {"x_offset": uint32, "y_offset": uint32, "height": uint32, "width": uint32}
+    roi = add("sensor_msgs/RegionOfInterest", **corner, do_rectify=bool)
+    lens = {"height": uint32, "width": uint32, "distortion_model": str, "d": sequence[float64]}
+    lens |= {"k": array[float64, 9], "r": array[float64, 9], "p": array[float64, 12]}
+    add("sensor_msgs/CameraInfo", header=head, **lens, binning_x=uint32, binning_y=uint32, roi=roi)
     meta = add(
         "nav_msgs/MapMetaData", map_load_time=stamp, resolution=float32, width=uint32, height=uint32, origin=pose
     )

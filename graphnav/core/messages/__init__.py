@@ -19,6 +19,7 @@ from graphnav.core.messages.robot import (
 from graphnav.core.messages.run import About, Changed, Fired, Gap, Status
 from graphnav.core.messages.scan import Scan
 from graphnav.core.messages.vision import (
+    CameraInfo,
     Components,
     Flow,
     FlowDeviation,
@@ -34,6 +35,7 @@ __all__ = [
     "ZERO_MEANS",
     "About",
     "BaseLimits",
+    "CameraInfo",
     "Changed",
     "Components",
     "FieldError",

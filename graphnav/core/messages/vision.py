@@ -55,6 +55,51 @@ class Image(Message, lcm=graphnav_lcm.image_t, grid=("pixels",)):
         return cls(pixels=data.reshape(shape), step_px=values["step_px"] or ZERO_MEANS["step_px"])
 
 
+class CameraInfo(Message, lcm=graphnav_lcm.camera_info_t):
+    """Intrinsic parameters of a camera, as its driver publishes them: those of ROS ``sensor_msgs/CameraInfo``.
+
+    ``rows``, ``cols``: size of the pictures that were calibrated. ``model``: "plumb_bob" or "rational_polynomial" of a
+    pinhole, "equidistant" of a fisheye. ``camera``: float64 (3, 3), focal lengths and principal point, pixels.
+    ``distortion``: float64 (n,), in OpenCV's order: 4, 5 or 8 numbers, 4 of a fisheye; none of a camera that does not
+    distort. ``rectification``: float64 (3, 3), from the camera to the rectified one. ``projection``: float64 (3, 4),
+    the camera matrix of the rectified one.
+    """
+
+    MODELS: ClassVar[Mapping[str, tuple[int, ...]]] = {
+        "plumb_bob": (0, 4, 5),
+        "rational_polynomial": (0, 8),
+        "equidistant": (4,),
+    }
+    """The numbers of distortion coefficients that each model may have."""
+
+    rows: int
+    cols: int
+    model: str
+    camera: Doubles
+    distortion: Doubles
+    rectification: Doubles
+    projection: Doubles
+
+    @classmethod
+    def from_lcm_fields(cls, values: Mapping[str, Any]) -> Self:
+        """Return the parameters of ``camera_info_t``.
+
+        Raises
+        ------
+        FieldError
+            The model is not known, has not so many coefficients, or the camera is not calibrated.
+        """
+        found = super().from_lcm_fields(values)
+        if found.model not in cls.MODELS:
+            raise FieldError("model", repr(found.model[:40]), ", ".join(cls.MODELS))
+        counts = cls.MODELS[found.model]
+        if found.distortion.size not in counts:
+            raise FieldError("size of distortion", found.distortion.size, f"{' or '.join(map(str, counts))} numbers")
+        if not (found.camera[0, 0] > 0.0 and found.camera[1, 1] > 0.0):
+            raise FieldError("focal length", f"{found.camera[0, 0]:g}", "more than 0: calibrate the camera")
+        return found
+
+
 class Flow(Message, lcm=graphnav_lcm.flow_t, grid=("uv_px", "valid")):
     """Optical flow: the displacement since the last frame of the point now seen at each position.
 

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from graphnav_adapters.ros2_camera_info import RosCameraInfo
 from graphnav_adapters.ros2_images import RosCompressedImage, RosImage
 from graphnav_adapters.ros2_motion import RosBool, RosOccupancyGrid, RosOdometry, RosTwist, RosTwistStamped
 
-from graphnav import FieldError, Image, LocalMap, Odometry, Stop, Twist
+from graphnav import CameraInfo, FieldError, Image, LocalMap, Odometry, Stop, Twist
 from graphnav.core.catalog import Catalog
 
 UTIME = 1_700_000_000_123_456
@@ -92,6 +93,17 @@ def test_an_orientation_that_is_not_one_is_refused(turned: float) -> None:
     fields["pose"]["pose"]["orientation"]["w"] = turned
     with pytest.raises(FieldError, match=r"norm of pose\.pose\.orientation is"):
         RosOdometry().from_ros(kind.decode(kind.encode(fields)))
+
+
+def test_parameters_of_a_camera_come_back() -> None:
+    matrix = np.array([[114.0, 0.0, 79.5], [0.0, 114.0, 59.5], [0.0, 0.0, 1.0]])
+    info = CameraInfo(120, 160, "plumb_bob", matrix, np.array([-0.2, 0.04, 0.0, 0.0, 0.0]), np.eye(3), np.eye(3, 4))
+    found, utime = there_and_back(RosCameraInfo(), info)
+    assert all(map(np.array_equal, vars(found).values(), vars(info).values()))
+    assert utime == UTIME
+    fields = {**RosCameraInfo().to_ros(info, UTIME), "k": np.zeros(9)}
+    with pytest.raises(FieldError, match="focal length is 0, expected more than 0: calibrate the camera"):
+        RosCameraInfo().from_ros(fields)
 
 
 def test_a_map_is_told_as_ros_does() -> None:

@@ -11,7 +11,7 @@ import pytest
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
-from graphnav import Goal, Image, LocalMap, Message, Odometry, Scan, State, Stop, Twist
+from graphnav import CameraInfo, Goal, Image, LocalMap, Message, Odometry, Scan, State, Stop, Twist
 from graphnav.core.cli import main
 from graphnav.core.codec import encode
 from graphnav.core.record import LogWriter, Recording
@@ -84,6 +84,9 @@ def test_every_type_that_ros_has(tmp_path: Path) -> None:
     near = np.zeros((2, 3), np.float32)
     grid = LocalMap(0.25, -1.0, 2.0, -1.0, 2.0, 0.5, state, near, near)
     ranges = np.array([1.0, math.inf, 0.5], np.float32)
+    info = CameraInfo(
+        120, 160, "plumb_bob", np.diag([114.0, 115.0, 1.0]), np.arange(5.0), np.eye(3), np.arange(12.0).reshape(3, 4)
+    )
     log = write(
         tmp_path / "drive.lcmlog",
         Image(np.arange(18, dtype=np.uint8).reshape(2, 3, 3)),
@@ -92,6 +95,7 @@ def test_every_type_that_ros_has(tmp_path: Path) -> None:
         Scan(-0.5, 0.25, 0.1, 9.0, ranges),
         Goal(bearing_rad=math.pi / 2, distance_m=2.0),
         Stop(engaged=True, reason="a person"),
+        info,
     )
     assert main(["export", str(log), "--to", "rosbag2", "-o", str(tmp_path / "bag")]) == 0
     found = {topic: messages[0][1] for topic, messages in read(tmp_path / "bag").items()}
@@ -109,6 +113,13 @@ def test_every_type_that_ros_has(tmp_path: Path) -> None:
     assert (ros.angle_min, ros.angle_max, ros.angle_increment) == (-0.5, 0.0, 0.25)
     assert found["/a/goal"].point.y == 2.0
     assert found["/a/stop"].data is True
+    ros = found["/a/camerainfo"]
+    assert (ros.height, ros.width, ros.distortion_model) == (120, 160, "plumb_bob")
+    assert (ros.k[0], ros.p.tolist(), ros.d.tolist()) == (114.0, list(range(12)), list(range(5)))
+    with Recording(tmp_path / "bag") as bag:
+        back = bag.message("/a/camerainfo", 0)[2]
+    assert isinstance(back, CameraInfo)
+    assert all(map(np.array_equal, vars(back).values(), vars(info).values()))
 
 
 def test_names_that_ros_does_not_have() -> None:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from graphnav.core.messages import FieldError, Image, Message, Odometry, Scan, Twist
+from graphnav.core.messages import CameraInfo, FieldError, Image, Message, Odometry, Scan, Twist
 from graphnav.core.record.bags.library import RawMessage
 from graphnav.core.record.bags.ros_pictures import compressed_pixels, pixels_of
 
@@ -66,9 +66,17 @@ def _scan(ros: Any) -> Scan:
     )
 
 
+def _camera_info(ros: Any) -> CameraInfo:
+    values = {"rows": ros.height, "cols": ros.width, "model": ros.distortion_model}
+    values |= {"camera": ros.k.reshape(3, 3), "distortion": np.asarray(ros.d, np.float64)}
+    values |= {"rectification": ros.r.reshape(3, 3), "projection": ros.p.reshape(3, 4)}
+    return CameraInfo.from_lcm_fields(values)
+
+
 READ: dict[str, Reading] = {
     "sensor_msgs/msg/Image": Reading(Image, lambda ros: Image(pixels=pixels_of(ros))),
     "sensor_msgs/msg/CompressedImage": Reading(Image, lambda ros: Image(pixels=compressed_pixels(ros))),
+    "sensor_msgs/msg/CameraInfo": Reading(CameraInfo, _camera_info),
     "nav_msgs/msg/Odometry": Reading(Odometry, _odometry),
     "geometry_msgs/msg/TwistStamped": Reading(Twist, lambda ros: _twist(ros.twist)),
     "geometry_msgs/msg/Twist": Reading(Twist, _twist, has_header=False),

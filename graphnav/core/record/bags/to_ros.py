@@ -12,7 +12,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from graphnav.core.messages import Goal, Image, LocalMap, Message, Odometry, Scan, State, Steering, Stop, Twist
+from graphnav.core.messages import (
+    CameraInfo,
+    Goal,
+    Image,
+    LocalMap,
+    Message,
+    Odometry,
+    Scan,
+    State,
+    Steering,
+    Stop,
+    Twist,
+)
 from graphnav.core.record.bags.library import Cdr
 
 _ROBOT, _ODOMETRY, _WORLD, _CAMERA = "base_link", "odom", "map", "camera"
@@ -53,6 +65,23 @@ class RosMessages:
         """Return a velocity on the plane."""
         linear, angular = self.vector("Vector3", v_mps, 0.0, 0.0), self.vector("Vector3", 0.0, 0.0, omega_radps)
         return self.make("geometry_msgs/msg/Twist", linear=linear, angular=angular)
+
+
+def _camera_info(ros: RosMessages, info: CameraInfo, utime: int) -> Any:
+    return ros.make(
+        "sensor_msgs/msg/CameraInfo",
+        header=ros.header(utime, _CAMERA),
+        height=info.rows,
+        width=info.cols,
+        distortion_model=info.model,
+        d=np.asarray(info.distortion, np.float64),
+        k=np.asarray(info.camera, np.float64).reshape(-1),
+        r=np.asarray(info.rectification, np.float64).reshape(-1),
+        p=np.asarray(info.projection, np.float64).reshape(-1),
+        binning_x=0,
+        binning_y=0,
+        roi=ros.make("sensor_msgs/msg/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False),
+    )
 
 
 def _image(ros: RosMessages, image: Image, utime: int) -> Any:
@@ -140,6 +169,7 @@ def _stop(ros: RosMessages, stop: Stop, utime: int) -> Any:  # noqa: ARG001 - it
 
 WRITTEN: dict[type[Message], Writing] = {
     Image: Writing("sensor_msgs/msg/Image", _image),
+    CameraInfo: Writing("sensor_msgs/msg/CameraInfo", _camera_info),
     Twist: Writing("geometry_msgs/msg/TwistStamped", _twist),
     Odometry: Writing("nav_msgs/msg/Odometry", _odometry(_ODOMETRY)),
     State: Writing("nav_msgs/msg/Odometry", _odometry(_WORLD)),
