@@ -72,7 +72,7 @@ def _of_file(file: Path) -> Shot:
     try:
         return Shot(file.name, _gray(read_picture(file)))
     except ValueError as error:
-        return Shot(file.name, _EMPTY, str(error).removeprefix(f"'{file}' "))
+        return Shot(file.name, _EMPTY, str(error))
 
 
 def _of_video(path: Path) -> Iterator[Shot]:

@@ -19,6 +19,8 @@ from graphnav.studies.ablation.study.find_study import shipped_studies
 from graphnav.studies.ablation.study.study_file import load_study
 
 GRAPHS = sorted(name for name in shipped_graphs() if name.split("/")[0] in ("navigate", "navigate_robot"))
+LENS = "navigate/lens"
+"""Its knowledge of the camera is measured, near the truth."""
 STUDIES = sorted(name for name in shipped_studies() if name.startswith("navigate"))
 BEACON = "robot.goal"
 
@@ -59,13 +61,13 @@ def test_odometry_and_map_know_the_mounting_of_the_robots_camera(name: str, cata
     for stage in ("egomotion", "local"):
         params = graph.node(stage).params
         for param in ("camera_height_m", "tilt_deg", "fov_deg"):
-            assert params[param] == robot[param], param
+            assert params[param] == (pytest.approx(robot[param], 5e-3) if name == LENS else robot[param]), param
 
 
 def test_every_world_of_the_suite_has_its_graph() -> None:
     worlds = {name.removeprefix("suite/") for name in load_study("suite").graphs}
     assert {f"navigate/{world}" for world in worlds} < set(GRAPHS)
-    assert set(load_study("navigate_suite").graphs) == set(GRAPHS) - {"navigate", "navigate_robot"}
+    assert set(load_study("navigate_suite").graphs) == set(GRAPHS) - {"navigate", "navigate_robot", LENS}
 
 
 @pytest.mark.parametrize("world", sorted(name.removeprefix("suite/") for name in load_study("suite").graphs))

@@ -85,6 +85,9 @@ def filled(lcm_class: Any) -> Any:
         made.cell_m, made.state = 0.5, [[3] * made.cols] * made.rows
     if lcm_class is graphnav_lcm.scan_t:
         made.angle_increment_rad, made.range_min_m, made.range_max_m = 0.01, 0.1, 9.0
+    if lcm_class is graphnav_lcm.camera_info_t:
+        made.model, made.n_distortion, made.distortion = "plumb_bob", 5, [0.25] * 5
+        made.camera = [[2.5] * 3] * 3
     if lcm_class is graphnav_lcm.base_limits_t:
         for name in made.__slots__[2:]:
             setattr(made, name, 2.5)

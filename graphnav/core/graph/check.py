@@ -79,7 +79,6 @@ def check(
         what = "the graph has no source: nothing would ever fire"
         problems.append(Problem(spec.stages_place, what, "add a world, a video or another Source"))
     order = _order(spec, drawn, problems)
-    run = run_options(spec.run, problems)
     _check_queues(spec, nodes, problems)
     written = {ref: channel for ref, channel in channels.items() if ref not in spec.inputs}
     sent = outputs_of(spec, classes, written, catalog, problems)
@@ -87,9 +86,8 @@ def check(
     notices += unnoticed_faults(drawn, sent)
     is_live = bool(inputs) or any(node.is_live_source for node in nodes)
     if is_live:
-        check_stamps(
-            [node for node in nodes if node.is_source] + [n for n in order if n in nodes], inputs, problems, notices
-        )
+        sources = [node for node in nodes if node.is_source]
+        check_stamps(sources + [node for node in order if node in nodes], inputs, problems, notices)
     notices += [text for key, text in _NOT_USED.items() if getattr(spec, key) and not is_live]
     return Graph(
         path=path,
@@ -97,7 +95,7 @@ def check(
         nodes=tuple(drawn),
         order=tuple(order),
         channels=channels,
-        run=run,
+        run=run_options(spec.run, problems),
         notices=tuple(notices),
         inputs=inputs,
         outputs=sent,

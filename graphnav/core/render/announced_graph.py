@@ -72,7 +72,7 @@ class _Reader:
     def names(self, ref: str) -> tuple[str, ...]:
         """Return the LCM channels of the messages of a channel."""
         sections = (self.inputs.get(ref), self.outputs.get(ref))
-        named = [_text(self._renamed.get(ref)) or ref, *(_text(one.channel) for one in sections if one)]
+        named = [_text(self._renamed.get(ref)) or ref, *(_text(one.ros2 or one.channel) for one in sections if one)]
         return tuple(dict.fromkeys(name for name in named if name))
 
     def stage_box(self, stage: StageSpec) -> Box:
@@ -113,13 +113,13 @@ class _Reader:
         """Yield one box per output."""
         for ref, sent in self.outputs.items():
             channel, use = _channel(ref), "motor output" if sent.motor else "output"
-            name = (_text(sent.channel) or ref)[:_MAX_NAME]
+            name = (_text(sent.ros2 or sent.channel) or ref)[:_MAX_NAME]
             yield Box(f"output {ref}", name, use, "output", (InPort(channel.port, channel),))
 
     def _origin(self, ref: str) -> str:
-        """Return the log or the LCM channel of an input."""
+        """Return the log, the topic or the LCM channel of an input."""
         given = self.inputs[ref]
-        return (_text(given.log).rpartition("/")[2] or _text(given.channel) or ref)[:_MAX_NAME]
+        return (_text(given.log).rpartition("/")[2] or _text(given.ros2 or given.channel) or ref)[:_MAX_NAME]
 
     def _out_port(self, ref: str, message: type[Message]) -> OutPort:
         name = self.names(ref)[0]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from typing import TYPE_CHECKING
 
 from graphnav.core.bus import Bus
-from graphnav.core.dds import Ros2Node
-from graphnav.core.ros2 import Ros2Network, RosType
-from graphnav.live.motors.channel import MotorChannel
+from graphnav.live.motors.channel import MotorChannel, MotorTopic
 from graphnav.live.motors.motor import Publishes
+
+if TYPE_CHECKING:
+    from graphnav.core.dds import Ros2Node
 
 WHO = "a motor output with ros2"
 
@@ -24,17 +26,23 @@ class MotorLinks:
         self._bus: Bus | None = None
         self._node = node
         with ExitStack() as opened:
+            if not channels or any(channel.topic is None for channel in channels):
+                self._bus = Bus(url)
+                opened.callback(self._bus.close)
             for channel in channels:
-                if (topic := channel.topic) is None:
-                    if self._bus is None:
-                        self._bus = Bus(url)
-                        opened.callback(self._bus.close)
-                    continue
-                if self._node is None:
-                    self._node = Ros2Node(Ros2Network(topic.domain, topic.interface), WHO)
-                    opened.callback(self._node.close)
-                self._node.offer(channel.name, RosType(topic.type_name, topic.definition))
+                if channel.topic is not None:
+                    self._offer(channel.name, channel.topic, opened)
             self._opened = opened.pop_all()
+
+    def _offer(self, name: str, topic: MotorTopic, opened: ExitStack) -> None:
+        """Open ROS 2 for a topic; only a run that has one imports what it takes, numpy among it."""
+        from graphnav.core.dds import Ros2Node
+        from graphnav.core.ros2 import Ros2Network, RosType
+
+        if self._node is None:
+            self._node = Ros2Node(Ros2Network(topic.domain, topic.interface), WHO)
+            opened.callback(self._node.close)
+        self._node.offer(name, RosType(topic.type_name, topic.definition))
 
     def of(self, channel: MotorChannel) -> Publishes:
         """Return what sends a channel."""

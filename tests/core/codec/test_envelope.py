@@ -11,7 +11,7 @@ import graphnav_lcm
 import numpy as np
 import pytest
 
-from graphnav import Flow, GuardState, LocalMap, Motion, Plane, Scan, Stop, Twist
+from graphnav import CameraInfo, Flow, GuardState, LocalMap, Motion, Plane, Scan, Stop, Twist
 from graphnav.core.codec import Codec, DecodeError, EncodeError, codec_of, decode, encode, message_classes, not_finite
 from graphnav.core.codec.layout import PRIMITIVES, Field, fields_of
 from graphnav.core.messages import Message
@@ -45,6 +45,9 @@ def message_of(message_class: type[Message], seed: int) -> Message:
     if message_class is LocalMap:
         state, far = rng.integers(0, 4, (2, 3), np.uint8), rng.uniform(0, 9, (2, 2, 3)).astype(np.float32)
         return LocalMap(0.1, -0.1, -0.1, 0.0, 0.0, float(rng.uniform(-3, 3)), state, *far)
+    if message_class is CameraInfo:
+        matrix, more = rng.uniform(1, 9, (3, 3)), rng.uniform(1, 9, (3, 4))
+        return CameraInfo(3, 4, "plumb_bob", matrix, rng.uniform(0, 1, 5 * (seed % 2)), matrix.T.copy(), more)
     if message_class is Scan:
         return Scan(-0.1, 0.1, 0.0, 9.0, rng.uniform(0, 9, 1 + seed % 3).astype(np.float32))
     values = {}

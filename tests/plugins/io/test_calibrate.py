@@ -160,7 +160,10 @@ def test_bad_pictures_are_refused_with_the_reason(write: Write) -> None:
     (pictures / "19.png").write_bytes((pictures / "0.png").read_bytes()[:500])
     found = calibrate([pictures], board="6x4", square_m=0.06)
     refusals = [one.refusal for one in found.pictures[12:]]
-    assert [text.partition(":")[0] for text in refusals] == [*bad, "is truncated or damaged"]
+    assert [text.partition(":")[0] for text in refusals] == [
+        *bad,
+        f"'{Path('pictures', '19.png')}' is truncated or damaged",
+    ]
 
 
 def refusal(write: Write, pictures: Sequence[Bytes], floor: Sequence[Bytes] = (), board: str = "6x4") -> str:
