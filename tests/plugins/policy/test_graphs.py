@@ -171,7 +171,7 @@ def test_a_study_compares_networks(here: Path) -> None:
     assert study.runs["drive.mean_clearance_m"].nunique() == 2
     file = here / "fast.onnx"
     file.write_bytes(slow.SerializeToString())
-    with pytest.raises(graphnav.UserError, match=f"were made with another file {file}: [0-9a-f]+, now [0-9a-f]+"):
+    with pytest.raises(graphnav.UserError, match=r"were made with another file fast\.onnx: [0-9a-f]+, now [0-9a-f]+"):
         graphnav.ablate(graph, vary={"policy.file": files}, seeds=[1000], jobs=1, folder="study", gallery=0)
 
 
@@ -182,7 +182,7 @@ def test_a_run_tells_which_network_drove(here: Path) -> None:
     graphnav.run(graph, folder="run", pictures=False, plugins=[TOYS])
     digest = hashlib.sha256(hashlib.sha256((here / "network.onnx").read_bytes()).digest()).hexdigest()
     versions = json.loads((here / "run" / "summary.json").read_text())["versions"]
-    assert versions[f"file {here / 'network.onnx'}"] == digest[:12]
+    assert versions["file network.onnx"] == digest[:12]
 
 
 def test_viewers_see_the_ports_of_a_running_network(here: Path) -> None:

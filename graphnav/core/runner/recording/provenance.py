@@ -52,15 +52,16 @@ def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str
 
 
 def files_of_graphs(graphs: Iterable[Graph]) -> dict[str, str]:
-    """Return hashes of the files that parameters of the stages name: networks, models, maps; by name."""
-    named = {
-        f"{FILE}{setting.anywhere}": setting.value
-        for graph in graphs
-        for node in graph.nodes
-        for setting in node.settings.values()
-        if isinstance(setting.value, Path) and setting.value.is_file()
-    }
-    return {name: _hash([path]) for name, path in sorted(named.items())}
+    """Return hashes of the files that parameters of the stages name: networks, models, maps; by what they write.
+
+    Files of several graphs that are written alike have one hash together.
+    """
+    named: dict[str, set[Path]] = {}
+    for graph in graphs:
+        for setting in (setting for node in graph.nodes for setting in node.settings.values()):
+            if isinstance(setting.value, Path) and setting.value.is_file():
+                named.setdefault(f"{FILE}{setting.written}", set()).add(setting.value)
+    return {name: _hash(sorted(paths)) for name, paths in sorted(named.items())}
 
 
 def difference_here(wanted: Mapping[str, str], plugins: Iterable[str]) -> Difference | None:
