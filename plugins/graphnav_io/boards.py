@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image as Picture
 
 from graphnav import CalibrationBoard, Place, UserError, did_you_mean, written_aside
-from graphnav.arrays import Bytes, Doubles
+from graphnav.arrays import Bytes, Doubles, Floats
 from graphnav_io.picture_size import MAX_PIXELS
 from graphnav_io.quiet import quiet
 
@@ -109,21 +109,32 @@ class BoardFinder:
         with quiet():
             found, points = cv2.findChessboardCornersSB(small, size, flags=_DETECT)
         if not found:
-            return self._another(small)
+            points, rows, cols = self._part(small)
+            if (cols, rows) != size:
+                return self._another(rows, cols)
         places = (points.reshape(-1, 2).astype(np.float64) + 0.5) / scale - 0.5
         return Corners(_refined(gray, places, size), self._places_m)
 
-    def _another(self, gray: Bytes) -> Corners:
-        """Return the finding in place of the board: nothing, a part of it, or another one."""
+    def _part(self, gray: Bytes) -> tuple[Floats, int, int]:
+        """Return the corners of the largest part of any board, row by row, and their rows and columns; 0 without one.
+
+        Now and then it finds all of a board that is not found at once.
+        """
         part = max(4, round(_PART_RATIO * self.board.cols)), max(3, round(_PART_RATIO * self.board.rows))
         with quiet():
-            found, _, meta = cv2.findChessboardCornersSBWithMeta(gray, part, cv2.CALIB_CB_LARGER | _DETECT)
-        if not found:
+            found, points, meta = cv2.findChessboardCornersSBWithMeta(gray, part, cv2.CALIB_CB_LARGER | _DETECT)
+        return (np.asarray(points, np.float32), *meta.shape[:2]) if found else (np.zeros((0, 1, 2), np.float32), 0, 0)
+
+    def _another(self, rows: int, cols: int) -> Corners:
+        """Return the finding in place of the board: nothing, a part of it, or another one."""
+        if not rows:
             return Corners(*NONE, "no board found")
-        rows, cols = sorted(meta.shape[:2], reverse=self.board.cols < self.board.rows)  # it may lie on its side
+        rows, cols = sorted((rows, cols), reverse=self.board.cols < self.board.rows)  # it may lie on its side
         wanted = f"{self.board.cols}x{self.board.rows}"
         if cols > self.board.cols or rows > self.board.rows:
             return Corners(*NONE, f"another board: {cols}x{rows} inner corners, not {wanted}", (cols, rows))
+        if (cols, rows) == (self.board.cols, self.board.rows):
+            return Corners(*NONE, "the board is seen too much from the side, or unsharp", (cols, rows))
         return Corners(*NONE, f"cut off or covered: {cols}x{rows} of {wanted} corners seen", (cols, rows))
 
     def _charuco(self, gray: Bytes) -> Corners:

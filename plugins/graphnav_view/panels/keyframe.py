@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from statistics import median
 from typing import NamedTuple
 
+import numpy as np
+
 from graphnav import Flow, Image, LocalMap, Plane, Potential, State, Steering
 from graphnav_view.signals import Signals
 
@@ -17,7 +19,7 @@ MAX_SPIN_RADPS = 0.05
 """Maximum turning rate of nearly straight driving."""
 
 MIN_SPEED_RATIO = 0.9
-"""Share of the median speed from which on a robot drives: from rest there is no flow to see."""
+"""Share of the median speed from which on a robot drives, or a picture moves: from rest there is no flow to see."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,10 @@ class Frame:
 
 
 class _Glance(NamedTuple):
-    """The criteria for a keyframe; turn, push, spin and speed are absolute values."""
+    """The criteria for a keyframe; turn, push, spin and speed are absolute values.
+
+    ``speed``: of the robot, m/s; in a log without its state the mean length of the flow, pixels per frame.
+    """
 
     utime: int
     judged_ratio: float
@@ -57,10 +62,11 @@ class _Glance(NamedTuple):
     turn_rad: float
     push: float
     spin_radps: float
-    speed_mps: float
+    speed: float
 
 
-def _glance(utime: int, plane: Plane, steering: Steering | None, state: State | None) -> _Glance:
+def _glance(utime: int, plane: Plane, steering: Steering | None, moves: State | Flow | None) -> _Glance:
+    state = moves if isinstance(moves, State) else None
     return _Glance(
         utime,
         float((plane.valid != 0).mean()),
@@ -68,8 +74,13 @@ def _glance(utime: int, plane: Plane, steering: Steering | None, state: State | 
         0.0 if steering is None else abs(steering.theta_rad),
         0.0 if steering is None else abs(float(steering.repulsive[0])),
         0.0 if state is None else abs(state.omega_radps),
-        0.0 if state is None else abs(state.v_mps),
+        _mean_px(moves) if isinstance(moves, Flow) else 0.0 if state is None else abs(state.v_mps),
     )
+
+
+def _mean_px(flow: Flow) -> float:
+    valid = flow.valid != 0
+    return float(np.linalg.norm(flow.uv_px[valid], axis=1).mean()) if valid.any() else 0.0
 
 
 def keyframe_utime(signals: Signals) -> int | None:
@@ -81,22 +92,27 @@ def keyframe_utime(signals: Signals) -> int | None:
     still drives nearly straight are preferred: they show the cause of a turn, not its effect.
 
     Without such a frame, the one whose share is nearest to a quarter, among those in which the robot drives. In either
-    case frames with fewer judged cells than 0.9 of the median frame do not count. Without a plane, the middle frame of
-    the flow, else of the images.
+    case frames with fewer judged cells than 0.9 of the median frame do not count, nor do, in a log without the robot's
+    state, those in which the picture hardly moves. Without a plane, the middle frame of the flow, else of the images.
     """
+    has_state = bool(signals.stamps(State))
     glances = [
-        _glance(utime, plane, steering, state)
-        for utime, (plane, steering, state) in signals.joined(Plane, Steering, State)
+        _glance(utime, plane, steering, moves)
+        for utime, (plane, steering, moves) in signals.joined(Plane, Steering, State if has_state else Flow)
     ]
+    if not has_state:  # without a flow it is not known whether the picture moved
+        glances = [glance for glance in glances if glance.speed > 0.0] or glances
     if glances:
         enough = 0.9 * median(glance.judged_ratio for glance in glances)
         seen = [glance for glance in glances if glance.judged_ratio >= enough]
+        usual = MIN_SPEED_RATIO * median(glance.speed for glance in seen)
+        driven = [glance for glance in seen if glance.speed >= usual]
+        if not has_state:
+            seen = driven
         shared = [g for g in seen if MIN_RATIO <= g.obstacle_ratio <= MAX_RATIO and g.turn_rad <= math.pi / 2]
         if shared:
             straight = [glance for glance in shared if glance.spin_radps <= MAX_SPIN_RADPS]
             return max(straight or shared, key=lambda g: (round(g.push, 2), -g.utime)).utime
-        driving_mps = MIN_SPEED_RATIO * median(glance.speed_mps for glance in seen)
-        driven = [glance for glance in seen if glance.speed_mps >= driving_mps]
         return min(driven or seen, key=lambda g: (round(abs(g.obstacle_ratio - 0.25), 3), g.utime)).utime
     for kind in (Flow, Image):
         stamps = signals.stamps(kind)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 import yaml
 from graphnav_view.panels.keyframe import (
     MAX_RATIO,
@@ -16,7 +17,7 @@ from graphnav_view.panels.keyframe import (
 )
 from graphnav_view.signals import Signals
 
-from graphnav import About, Plane, State, Steering
+from graphnav import About, Flow, Plane, State, Steering
 from graphnav.core.codec import encode
 from graphnav.core.record import LogWriter, Recording
 
@@ -39,21 +40,25 @@ def test_it_is_pushed_aside_hardest_of_those_that_show_ground_and_obstacle_on_a_
     assert pushes[utime] >= max(pushes.values()) - 0.01
 
 
-def test_where_nothing_was_detected_it_is_one_in_which_the_robot_drives(tmp_path: Path) -> None:
-    """As the paper's detector often does: every share is 0, so that all frames are equally far from a quarter."""
+@pytest.mark.parametrize("kind", ["state", "flow"])
+def test_where_nothing_was_detected_it_is_one_in_which_the_robot_drives(tmp_path: Path, kind: str) -> None:
+    """As the paper's detector often does: every share is 0, so that all frames are equally far from a quarter.
+
+    A log without the robot's state, as that of a camera, tells it by the flow.
+    """
     nothing = np.zeros((3, 4), np.uint8)
     plane = Plane(obstacle=nothing, score=nothing.astype(np.float32), valid=nothing + 1, step_px=4, obstacle_ratio=0.0)
+    stage = {"state": "robot", "flow": "flow"}[kind]
     with LogWriter(tmp_path / "run.lcmlog") as log:
-        graph = {"stages": {"robot": {"use": "world.pymunk"}, "plane": {"use": "plane.ica"}}}
-        types = ("graphnav_lcm.state_t", "graphnav_lcm.plane_t")
-        log.write(
-            About.CHANNEL,
-            0,
-            encode(About(yaml.safe_dump(graph), "", "", 7, ("robot.state", "plane.plane"), types), 0, 0),
-        )
-        for k, speed_mps in enumerate((0.0, 0.05, 0.14, 0.2, 0.3, 0.3, 0.3, 0.3)):
-            state = State(0.0, 0.0, 0.0, speed_mps, 0.0, 0.2, contact=False, at_goal=False, moving=np.zeros((0, 3)))
-            log.write("robot.state", k * 100_000, encode(state, k * 100_000, k))
+        graph = {"stages": {stage: {"use": "world.pymunk"}, "plane": {"use": "plane.ica"}}}
+        channels, types = (f"{stage}.{kind}", "plane.plane"), (f"graphnav_lcm.{kind}_t", "graphnav_lcm.plane_t")
+        about = About(yaml.safe_dump(graph), "", "", 7, channels, types)
+        log.write(About.CHANNEL, 0, encode(about, 0, 0))
+        for k, speed in enumerate((0.0, 0.05, 0.14, 0.2, 0.3, 0.3, 0.3, 0.3)):
+            state = State(0.0, 0.0, 0.0, speed, 0.0, 0.2, contact=False, at_goal=False, moving=np.zeros((0, 3)))
+            flow = Flow(np.full((3, 4, 2), speed, np.float32), nothing + 1, 100_000, 4)
+            message = state if kind == "state" else flow
+            log.write(channels[0], k * 100_000, encode(message, k * 100_000, k))
             log.write("plane.plane", k * 100_000, encode(plane, k * 100_000, k))
     assert keyframe_utime(Signals(Recording(tmp_path / "run.lcmlog"))) == 400_000
 
