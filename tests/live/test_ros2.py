@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 import pytest
 
-from graphnav import Image, Odometry, Recording, Stop, UserError
+from graphnav import GuardState, Image, Odometry, Recording, Stop, UserError
 from graphnav.core.catalog import Catalog
 from graphnav.core.dds import Ros2Node
 from graphnav.core.graph import resolved_yaml
@@ -277,6 +277,39 @@ def test_a_run_that_is_killed_is_followed_by_stops_and_then_by_nothing(
     assert len(after) >= 20
     assert not any(after), after
     assert peer.heard[-1][2] > killed_s + 0.5
+
+
+GUARDED = """
+ros2: {{domain: {domain}}}
+inputs: {{camera.image: {{ros2: /camera/image_raw, type: sensor_msgs/Image, max_age_s: 0.5}}}}
+stages:
+  see:   {{use: probe.brightness, in: {{image: camera.image}}}}
+  guard:
+    use: control.guard
+    every_ms: 20
+    in: {{command: see.twist, image: camera.image}}
+outputs: {{guard.twist: {{ros2: /cmd_vel, type: geometry_msgs/Twist, motor: true}}}}
+"""
+
+
+def test_the_base_stops_when_the_program_of_the_camera_dies(live: Begin, peer: RosPeer, domain: int) -> None:
+    camera = RosPeer(domain)
+    camera.offer("/camera/image_raw", "sensor_msgs/Image")
+    peer.listen("/cmd_vel", "geometry_msgs/Twist")
+    run = live(GUARDED.format(domain=domain))
+    pixels = np.random.default_rng(0).integers(0, 256, 24 * 32).tolist()
+    peer.wait_for(
+        lambda: any(speed > 0 for speed in peer.speeds("/cmd_vel")),
+        lambda: camera.show("/camera/image_raw", 0, data=pixels),
+    )
+    os.kill(camera.pid, signal.SIGKILL)
+    camera.close()
+    peer.wait_for(lambda: len(peer.speeds("/cmd_vel")) > 60 and not any(peer.speeds("/cmd_vel")[-20:]))
+    summary, log = run.stop()
+    assert summary.outcome == "stopped", summary.failure
+    told = log.message("guard.state", -1)[2]
+    assert isinstance(told, GuardState)
+    assert set(told.causes) == {"stale"}
 
 
 def test_a_map_is_latched(peer: RosPeer, domain: int) -> None:
