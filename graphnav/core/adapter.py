@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from graphnav.core.codec import add_type
 from graphnav.core.errors import DeclarationError, one_line, shown_value
 from graphnav.core.interrupts import CtrlC, third_party_code
 from graphnav.core.messages import Message
-from graphnav.core.ros2 import RosType, ros_name
+from graphnav.core.ros2 import RosType, ros_name, time_fields, time_us
 
 
 class Adapter:
@@ -56,6 +56,14 @@ class Adapter:
     def to_lcm(self, message: Any, utime: int) -> Mapping[str, Any]:
         """Return the LCM fields for a message stamped ``utime`` (microseconds); sizes of arrays may be left out."""
         raise NotImplementedError
+
+    def read(self, fields: Mapping[str, Any]) -> Message:
+        """Return the message that received fields hold, as a run does for every network."""
+        return self.from_lcm(fields)
+
+    def write(self, message: Any, utime: int) -> Mapping[str, Any]:
+        """Return the fields to send for a message, as a run does for every network."""
+        return self.to_lcm(message, utime)
 
     def utime(self, fields: Mapping[str, Any]) -> int | None:
         """Return the sender's timestamp in microseconds, None if the type has none; by default the field ``utime``."""
@@ -117,14 +125,19 @@ class Ros2Adapter(Adapter):
         if not self.ros_type.is_stamped:
             return None
         stamp = next(iter(fields.values()))["stamp"]
-        return int(stamp["sec"]) * 1_000_000 + int(stamp["nanosec"]) // 1000
+        return time_us(stamp["sec"], stamp["nanosec"])
 
-    def from_lcm(self, fields: Mapping[str, Any]) -> Message:
-        """Return the message of received fields, as every adapter does."""
+    @staticmethod
+    def header(utime: int, frame_id: str) -> Mapping[str, Any]:
+        """Return the fields of a ``std_msgs/Header`` stamped ``utime`` (microseconds), for `to_ros`."""
+        return {"stamp": time_fields(utime), "frame_id": frame_id}
+
+    def read(self, fields: Mapping[str, Any]) -> Message:
+        """Return the message that received fields hold, as a run does for every network."""
         return self.from_ros(fields)
 
-    def to_lcm(self, message: Any, utime: int) -> Mapping[str, Any]:
-        """Return the fields to send, as every adapter does."""
+    def write(self, message: Any, utime: int) -> Mapping[str, Any]:
+        """Return the fields to send for a message, as a run does for every network."""
         return self.to_ros(message, utime)
 
     @classmethod
@@ -136,6 +149,9 @@ class Ros2Adapter(Adapter):
     def writes(cls) -> bool:
         """Whether it converts a message to the ROS type."""
         return cls.to_ros is not Ros2Adapter.to_ros
+
+
+A = TypeVar("A", bound=Adapter)
 
 
 @dataclass(frozen=True)
@@ -160,21 +176,28 @@ def collect_adapters(found: Iterable[tuple[str, Any]]) -> Adapters:
     DeclarationError
         One is not an adapter or is declared wrongly, or two convert the same type in the same direction.
     """
-    known: dict[tuple[str, bool], dict[str, Any]] = {
-        (verb, is_ros): {} for verb in ("read", "written") for is_ros in (False, True)
-    }
-    origins: dict[tuple[str, str], str] = {}
-    for origin, given in found:
-        adapter = _made(origin, given)
-        is_ros = isinstance(adapter, Ros2Adapter)
-        name = adapter.ros_type.name if isinstance(adapter, Ros2Adapter) else adapter.type_name
-        for verb, does in (("read", adapter.reads()), ("written", adapter.writes())):
-            if not does:
-                continue
-            if name in known[verb, is_ros]:
-                raise DeclarationError(f"'{name}' is {verb} by adapters of {origins[verb, name]} and of {origin}")
-            known[verb, is_ros][name], origins[verb, name] = adapter, origin
-    return Adapters(known["read", False], known["written", False], known["read", True], known["written", True])
+    made = [(origin, _made(origin, given)) for origin, given in found]
+    lcm = [(origin, one) for origin, one in made if not isinstance(one, Ros2Adapter)]
+    ros = [(origin, one) for origin, one in made if isinstance(one, Ros2Adapter)]
+    return Adapters(_readers(lcm), _writers(lcm), _readers(ros), _writers(ros))
+
+
+def _readers(adapters: Iterable[tuple[str, A]]) -> dict[str, A]:
+    return _by_type([(origin, one) for origin, one in adapters if one.reads()], "read")
+
+
+def _writers(adapters: Iterable[tuple[str, A]]) -> dict[str, A]:
+    return _by_type([(origin, one) for origin, one in adapters if one.writes()], "written")
+
+
+def _by_type(adapters: Iterable[tuple[str, A]], verb: str) -> dict[str, A]:
+    known: dict[str, tuple[str, A]] = {}
+    for origin, one in adapters:
+        name = one.ros_type.name if isinstance(one, Ros2Adapter) else one.type_name
+        if name in known:
+            raise DeclarationError(f"'{name}' is {verb} by adapters of {known[name][0]} and of {origin}")
+        known[name] = origin, one
+    return {name: one for name, (_, one) in known.items()}
 
 
 def _made(origin: str, given: Any) -> Adapter:

@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 
 from graphnav.core.errors import BusError, UserError, did_you_mean, message_line
 from graphnav.core.machine import import_extra
-from graphnav.core.ros2 import LOOPBACK, MAX_BYTES, PRIMITIVES, Ros2Network, RosType, nested_types
+from graphnav.core.ros2 import LOOPBACK, MAX_BYTES, PRIMITIVES, STRING, Ros2Network, RosType, nested_types
 
 Handler = Callable[[bytes, int], None]
 """Takes a message: its bytes, and a number that tells its publisher from others."""
 
+_PYTHON_TYPES = {"bool": bool, STRING: str}
 _MAX_TAKEN = 64
 _MAX_LISTED = 256
 """Maximum number of publishers that are looked at: others decide how many there are."""
@@ -83,7 +84,7 @@ class Ros2Node:
         only reliable publishers.
         """
         dds, policy = self._dds, self._dds.core.Policy
-        qos = self._qos(
+        qos = dds.core.Qos(
             policy.Reliability.Reliable(0) if reliable else policy.Reliability.BestEffort,
             policy.History.KeepLast(depth),
             policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=True),
@@ -97,7 +98,7 @@ class Ros2Node:
     def offer(self, topic: str, kind: RosType, *, latched: bool = False) -> None:
         """Prepare to publish on a topic; ``latched``: later subscribers get the last message, too."""
         dds, policy = self._dds, self._dds.core.Policy
-        qos = self._qos(
+        qos = dds.core.Qos(
             policy.Reliability.Reliable(0),  # a listener that does not answer must not hold up who publishes
             policy.History.KeepLast(1),
             policy.DataRepresentation(use_cdrv0_representation=True),
@@ -158,9 +159,6 @@ class Ros2Node:
         except self._dds.core.DDSException as error:
             raise BusError(f"cannot use the ROS topic '{topic}': {message_line(error)}") from error
 
-    def _qos(self, *policies: Any) -> Any:
-        return self._dds.core.Qos(*policies)
-
     def _kind(self, kind: RosType) -> Any:
         """Return the class by which Cyclone DDS knows a type; it passes on bytes as they are.
 
@@ -186,8 +184,8 @@ class Ros2Node:
         return idl.annotations.final(made)
 
     def _element(self, kind: str) -> Any:
-        if kind == "bool" or kind not in PRIMITIVES:
-            return bool if kind == "bool" else str
+        if kind in _PYTHON_TYPES:
+            return _PYTHON_TYPES[kind]
         is_octet = PRIMITIVES[kind].endswith("1")  # Cyclone DDS 0.10.2 crashes where it is told of an int8 or uint8
         return getattr(self._dds.idl.types, "byte" if is_octet else kind)
 

@@ -52,8 +52,10 @@ COMMON: Mapping[str, str] = {
     "geometry_msgs/TwistWithCovariance": "geometry_msgs/Twist twist\nfloat64[36] covariance",
 }
 """Types that a definition may use without defining them."""
+TOPIC_PATTERN = r"(/[A-Za-z_][A-Za-z0-9_]*)+"
+"""A regular expression for the names of topics; `why_not_a_topic` refuses two underscores in a row too."""
 
-_TOPIC = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+_TOPIC = re.compile(TOPIC_PATTERN)
 _TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/(?:msg/)?[A-Za-z][A-Za-z0-9_]*")
 _FIELD = re.compile(
     r"(?P<type>[A-Za-z][\w/]*)(?P<bound><=\d+)?(?P<array>\[(?:<=)?\d*\])?\s+(?P<name>[A-Za-z]\w*)(?P<rest>.*)"
@@ -148,7 +150,8 @@ class RosType:
     @cached_property
     def dds_name(self) -> str:
         """The name of the type in DDS."""
-        return dds_name(self.name)
+        package, _, kind = ros_name(self.name).partition("/")
+        return f"{package}::msg::dds_::{kind}_"
 
     def decode(self, data: bytes) -> dict[str, Any]:
         """Return the fields of a message.
@@ -196,10 +199,15 @@ def ros_name(name: str) -> str:
     return name.replace("/msg/", "/")
 
 
-def dds_name(name: str) -> str:
-    """Return the name in DDS of a ROS type ``package/Type``."""
-    package, _, kind = ros_name(name).partition("/")
-    return f"{package}::msg::dds_::{kind}_"
+def time_us(sec: int, nanosec: int) -> int:
+    """Return the microseconds of a ``builtin_interfaces/Time``."""
+    return int(sec) * 1_000_000 + int(nanosec) // 1000
+
+
+def time_fields(utime: int) -> dict[str, int]:
+    """Return the fields of a ``builtin_interfaces/Time`` of so many microseconds."""
+    sec, us = divmod(utime, 1_000_000)
+    return {"sec": sec, "nanosec": us * 1000}
 
 
 def _texts(name: str, definition: str) -> dict[str, str]:

@@ -32,7 +32,8 @@ from graphnav.live.outlet import Outlet, bus_send, motor_channel, topic_send
 class MotorLink:
     """The process that sends the motor channels, and the stops that the run sends in its place if it cannot.
 
-    ``node``: the run's participant in ROS 2, None where no output is a topic. Raises BusError if LCM cannot be opened.
+    ``node``: the run's participant in ROS 2, None where nothing is a topic. Raises BusError if LCM or a topic cannot be
+    opened.
     """
 
     def __init__(self, url: str, targets: list[OutputChannel], observer: Observer, node: Ros2Node | None) -> None:
@@ -100,7 +101,7 @@ def opened(
     """Open inputs and outputs; yield the link to the motor channels, None if there are none.
 
     On exit the motors are always stopped first. ``node``: see `joined_ros2`. ``observer`` watches the motor channels.
-    Raises BusError if LCM cannot be opened.
+    Raises BusError if LCM or a topic cannot be opened.
     """
     with ExitStack() as cleanup:
         motor = {ref: target for ref, target in graph.outputs.items() if target.motor}

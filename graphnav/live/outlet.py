@@ -81,7 +81,7 @@ def adapted(target: OutputChannel, message: Message, utime: int) -> bytes:
     """Return a message encoded in the type of an output."""
     assert target.adapter is not None
     try:
-        return target.codec.encode(target.adapter.to_lcm(message, utime))
+        return target.codec.encode(target.adapter.write(message, utime))
     except CtrlC:
         raise
     except BaseException as error:

@@ -24,7 +24,7 @@ _READ_BYTES = 4096
 class SerialLine:
     """An open serial line; raises OSError if it cannot be opened, or is not a serial line.
 
-    It is locked, so that no other program of another user opens it too; a modem's signals are ignored.
+    It is locked: no other program opens it too, except one of root. A modem's signals are ignored.
     """
 
     def __init__(self, path: str, baud: int) -> None:
@@ -61,10 +61,9 @@ class SerialLine:
     def read(self) -> bytes:
         """Return the bytes that have come, empty for none; raises OSError if the line is gone."""
         try:
-            data = os.read(self._fd, _READ_BYTES)
+            return os.read(self._fd, _READ_BYTES)
         except BlockingIOError:
             return b""
-        return data
 
     def close(self) -> None:
         """Close it; what has not left is dropped, so that the end of the program waits for nothing."""

@@ -9,8 +9,7 @@ from graphnav import Adapter, hookimpl
 def graphnav_adapters() -> list[Adapter]:
     """Return the adapters; their modules are imported only now."""
     from graphnav_adapters.bot_core_image import BotCoreImage
-    from graphnav_adapters.ros2_camera_info import RosCameraInfo
-    from graphnav_adapters.ros2_images import RosCompressedImage, RosImage
+    from graphnav_adapters.ros2_camera import RosCameraInfo, RosCompressedImage, RosImage
     from graphnav_adapters.ros2_motion import RosBool, RosOccupancyGrid, RosOdometry, RosTwist, RosTwistStamped
 
     return [

@@ -10,8 +10,7 @@ import numpy as np
 from graphnav import Adapter, FieldError, Image
 from graphnav.arrays import Bytes
 from graphnav_adapters.lcmtypes.bot_core import image_t
-from graphnav_adapters.max_pixels import check_size
-from graphnav_adapters.padded_rows import Names, without_padding
+from graphnav_adapters.pixels import Names, check_size, shape_of, without_padding
 
 GRAY, RGB, BGR, MJPEG = (int.from_bytes(code, "little") for code in (b"GREY", b"RGB3", b"BGR3", b"MJPG"))
 """Values of ``pixelformat``: FourCC codes, first character in the lowest byte."""
@@ -63,15 +62,13 @@ class BotCoreImage(Adapter):
         ValueError
             The picture is neither gray nor RGB.
         """
-        shape = message.pixels.shape
-        if len(shape) != 2 and shape[2:] != (3,):
-            raise ValueError(f"pixels of shape {shape} are neither (rows, cols) nor (rows, cols, 3)")
+        rows, cols, channels = shape_of(message.pixels)
         return {
             "utime": utime,
-            "width": shape[1],
-            "height": shape[0],
-            "row_stride": shape[1] * (1 if len(shape) == 2 else 3),
-            "pixelformat": GRAY if len(shape) == 2 else RGB,
+            "width": cols,
+            "height": rows,
+            "row_stride": cols * channels,
+            "pixelformat": GRAY if channels == 1 else RGB,
             "data": message.pixels.reshape(-1),
             "metadata": (),
         }

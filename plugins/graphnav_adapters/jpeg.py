@@ -9,7 +9,7 @@ import numpy as np
 
 from graphnav import FieldError
 from graphnav.arrays import Bytes
-from graphnav_adapters.max_pixels import check_size
+from graphnav_adapters.pixels import check_size
 
 _START, _END = b"\xff\xd8", b"\xff\xd9"
 _SCAN = 0xDA

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from graphnav import FieldError, LocalMap, Odometry, Ros2Adapter, Stop, Twist
-from graphnav_adapters.ros2_header import header
 
 _BASE, _ODOMETRY = "base_link", "odom"
 _MAX_NORM_ERROR = 0.01
@@ -60,7 +59,7 @@ geometry_msgs/TwistWithCovariance twist
     def to_ros(self, message: Odometry, utime: int) -> Mapping[str, Any]:
         """Return pose and speeds, with covariances of zero: unknown."""
         return {
-            "header": header(utime, _ODOMETRY),
+            "header": self.header(utime, _ODOMETRY),
             "child_frame_id": _BASE,
             "pose": {"pose": _pose(message.x_m, message.y_m, message.yaw_rad)},
             "twist": {"twist": _twist(message)},
@@ -97,7 +96,7 @@ class RosTwistStamped(Ros2Adapter):
 
     def to_ros(self, message: Twist, utime: int) -> Mapping[str, Any]:
         """Return forward speed and turning rate; all else is zero."""
-        return {"header": header(utime, _BASE), "twist": _twist(message)}
+        return {"header": self.header(utime, _BASE), "twist": _twist(message)}
 
 
 class RosBool(Ros2Adapter):
@@ -132,10 +131,11 @@ class RosOccupancyGrid(Ros2Adapter):
         """Return the map in the frame ``odom``, whose origin is the pose of the robot at the start."""
         rows, cols = message.state.shape
         half_m = 0.5 * message.cell_m
+        header = self.header(utime, _ODOMETRY)
         return {
-            "header": header(utime, _ODOMETRY),
+            "header": header,
             "info": {
-                "map_load_time": header(utime, "")["stamp"],
+                "map_load_time": header["stamp"],
                 "resolution": message.cell_m,
                 "width": cols,
                 "height": rows,

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from graphnav import GraphnavError, Motion, Odometry, ParamError, Recording
 from graphnav.arrays import Doubles, Longs
 from graphnav_io.csv_file import CsvFile
-from graphnav_io.logged_pictures import channel_of, opened_log
+from graphnav_io.logs import channel_of, opened_log
 
 X, Y = ("x", "x_m"), ("y", "y_m")
 YAW = ("yaw", "yaw_rad", "yaw_deg", "theta", "theta_rad", "theta_deg", "heading", "heading_rad", "heading_deg")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from graphnav import Finished, Image, Motion, Odometry, ParamError, Source, Stamp, param
 from graphnav import Recording as Log
 from graphnav_io.frames import Frames
-from graphnav_io.logged_pictures import LogFrames, channels_of, open_log_frames
+from graphnav_io.logs import LogFrames, channels_of, open_log_frames
 from graphnav_io.odometry import Track, logged_odometry, read_odometry
 from graphnav_io.preparation import Prepared
 from graphnav_io.sequence import Sequence, Timeline, open_sequence

@@ -112,13 +112,11 @@ class _Process:
         return self._topics.setdefault(name, Topic(self._participant, f"rt{name}", self._types[kind]))
 
     def _listen(self, name: str, kind: str, *, latched: bool) -> None:
-
         durability = Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile
         qos = Qos(Policy.Reliability.Reliable(100_000_000), Policy.History.KeepLast(500), durability)
         self._readers[name] = DataReader(self._participant, self._topic(name, kind), qos=qos)
 
     def _offer(self, name: str, kind: str, writers: int) -> None:
-
         qos = Qos(
             Policy.Reliability.Reliable(100_000_000),
             Policy.History.KeepLast(10),

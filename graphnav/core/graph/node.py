@@ -67,7 +67,7 @@ class InputChannel:
     name: str
     """The LCM channel or the ROS 2 topic that is listened to; of a log, the channel in it."""
     lcm_class: type
-    """The type on the wire."""
+    """The type on the wire; of a ROS 2 topic that of the message."""
     type_name: str
     """``package.type_t``"""
     adapter: Adapter | None

@@ -15,7 +15,7 @@ from graphnav.core.spec.declared import (
     read_record,
     record_object,
 )
-from graphnav.core.spec.graph_keys import GRAPH, RESERVED_STAGES, STAGE_NAME, GraphKeys
+from graphnav.core.spec.graph_keys import GRAPH, RESERVED_STAGES, SOURCE_KEYS, STAGE_NAME, GraphKeys
 from graphnav.core.spec.run import RecordOption, RunKeys, RunOptions, check_url, option_in
 from graphnav.core.spec.spec import (
     TIME_KEYS,
@@ -37,6 +37,7 @@ __all__ = [
     "GRAPH",
     "MAX_BYTES",
     "RESERVED_STAGES",
+    "SOURCE_KEYS",
     "STAGE_NAME",
     "TIME_KEYS",
     "Entry",

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
-from graphnav.core.ros2 import LOOPBACK, MAX_DOMAIN
+from graphnav.core.ros2 import LOOPBACK, MAX_DOMAIN, TOPIC_PATTERN
 from graphnav.core.spec.declared import FileFormat, Names, Record, key
 from graphnav.core.spec.run import RunKeys
 from graphnav.core.spec.value import Value
@@ -28,7 +28,6 @@ MAX_STOP_AFTER_S = 5.0
 _PORT = rf"{STAGE_NAME}\.{STAGE_NAME}"
 _CHANNEL = r"(?!graphnav\.)[!-~]{1,63}"
 _TYPE = r"[A-Za-z_][A-Za-z0-9_]*([./][A-Za-z_][A-Za-z0-9_]*)*"
-_TOPIC = r"(/[A-Za-z_][A-Za-z0-9_]*)+"
 _PORTS = Names(_PORT)
 _INPUTS = Names(_PORT, "the name of an input", "write stem.port in small letters, digits and _, as in camera.image")
 _PARTS = Names(STAGE_NAME, "a process's name", "use small letters, digits and _, beginning with a letter")
@@ -110,7 +109,7 @@ class OutputKeys(Record):
     ros2: str = key(
         None,
         not_empty=True,
-        pattern=_TOPIC,
+        pattern=TOPIC_PATTERN,
         doc="in place of `channel`, the ROS 2 topic on which it leaves: `/name`",
         hint="write ros2: /name",
     )

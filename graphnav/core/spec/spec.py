@@ -253,8 +253,9 @@ def _problems(value: Value) -> Iterator[Problem]:
     yield from _reserved_names(_section(words, "stages"))
     yield from _lacking_sources(_section(words, "inputs"))
     yield from _idle_stops(_section(words, "outputs"))
-    for kind, record in (("input", InputKeys), ("output", OutputKeys)):
-        yield from _two_sources(kind, record, _section(words, f"{kind}s"))
+    yield from _lacking_targets(_section(words, "outputs"))
+    for kind in ("input", "output"):
+        yield from _two_names(kind, _section(words, f"{kind}s"))
     if _section(words, "run"):
         del words["run"]
     if inputs := _section(words, "inputs"):
@@ -297,21 +298,23 @@ def _idle_stops(outputs: Words) -> Iterator[Problem]:
             yield Problem(words["stop"].place, what, "write motor: true, or remove the stop")
 
 
-def _two_sources(kind: str, record: type[InputKeys | OutputKeys], entries: Words) -> Iterator[Problem]:
-    """Yield the topics beside a channel or a log, and the outputs that have neither."""
+def _lacking_targets(outputs: Words) -> Iterator[Problem]:
+    """Yield the outputs that do not say where they leave."""
+    for ref, entry in outputs.items():
+        words = _mapping(entry.value)
+        if isinstance(entry.value.data, dict | None) and words.keys() <= keys_of(OutputKeys).keys() - SOURCE_KEYS:
+            what = f"the output '{ref}' does not say on which channel it leaves"
+            yield Problem(entry.place, what, "write channel: NAME, or ros2: /topic")
+
+
+def _two_names(kind: str, entries: Words) -> Iterator[Problem]:
+    """Yield the topics beside a channel or a log; ``kind``: ``input`` or ``output``."""
     for ref, entry in entries.items():
         words = _mapping(entry.value)
         others = [key for key in ("channel", "log") if key in words]
         if "ros2" in words and others:
             what = f"the {kind} '{ref}' has a {others[0]} and a ROS 2 topic"
             yield Problem(words["ros2"].place, what, f"remove '{others[0]}' or 'ros2'")
-        elif (
-            kind == "output"
-            and isinstance(entry.value.data, dict | None)
-            and words.keys() <= (keys_of(record).keys() - SOURCE_KEYS)
-        ):
-            what = f"the output '{ref}' does not say on which channel it leaves"
-            yield Problem(entry.place, what, "write channel: NAME, or ros2: /topic")
 
 
 def _mapping(value: Value) -> Words:

@@ -149,7 +149,7 @@ class Intake:
             if source.adapter is None:
                 message = source.channel.message.from_lcm_fields(fields)
             else:
-                message = source.adapter.from_lcm(fields)
+                message = source.adapter.read(fields)
                 kind = type(message).__name__
             rejection = self._rejection(message)
         except CtrlC:

@@ -24,10 +24,10 @@ class Motor:
     Messages that the network refuses are counted in ``failed`` and not repeated: the next command or stop follows soon.
     """
 
-    def __init__(self, channel: MotorChannel, bus: Publishes) -> None:
+    def __init__(self, channel: MotorChannel, link: Publishes) -> None:
         self.forwarded = self.stops = self.failed = self.late = 0
         self._name, self._max_age_s = channel.name, channel.max_age_s
-        self._bus = bus
+        self._link = link
         self._schedule = StopSchedule(channel.max_age_s)
         self._message = StopMessage(channel)
         self._resumed_s = -math.inf
@@ -70,7 +70,7 @@ class Motor:
 
     def _publish(self, data: bytes) -> bool:
         try:
-            self._bus.publish(self._name, data)
+            self._link.publish(self._name, data)
         except BusError:
             self.failed += 1
             return False

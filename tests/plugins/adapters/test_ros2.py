@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from graphnav_adapters.ros2_camera_info import RosCameraInfo
-from graphnav_adapters.ros2_images import RosCompressedImage, RosImage
+from graphnav_adapters.ros2_camera import RosCameraInfo, RosCompressedImage, RosImage
 from graphnav_adapters.ros2_motion import RosBool, RosOccupancyGrid, RosOdometry, RosTwist, RosTwistStamped
 
 from graphnav import CameraInfo, FieldError, Image, LocalMap, Odometry, Stop, Twist

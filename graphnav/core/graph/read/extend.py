@@ -11,7 +11,7 @@ from graphnav.core.graph.overrides.prune import forget, prune
 from graphnav.core.graph.overrides.rewire import Rewiring
 from graphnav.core.graph.read.graph_files import GraphFile
 from graphnav.core.graph.read.merge import StageMerge, merge_entries
-from graphnav.core.spec import Entry, Spec, Value
+from graphnav.core.spec import SOURCE_KEYS, Entry, Spec, Value
 
 _READ_BEFORE = ("extends", "plugins")
 """Keys that mean something before files are merged."""
@@ -19,7 +19,7 @@ _VALUES = ("run",)
 """Sections in which null is a value."""
 _SECTIONS = ("channels", "inputs", "outputs", "queues", "deploy")
 """Sections in which null removes an entry of the extended graph."""
-_WIRE_KEYS = ("channel", "log", "ros2", "type", "stop")
+_WIRE_KEYS = {*SOURCE_KEYS, "type", "stop"}
 """Keys that an input or an output loses when its source is replaced by one of another kind."""
 
 
@@ -106,5 +106,5 @@ def _without_sources(old: Entry, new: Entry) -> Entry:
 
 def _is_other_kind(old: Mapping[str, Entry], new: Mapping[str, Entry]) -> bool:
     """Whether one names a ROS 2 topic, and the other an LCM channel or a log."""
-    given = {key for key in ("channel", "log", "ros2") if key in new and new[key].value.data is not None}
+    given = {key for key in SOURCE_KEYS if key in new and new[key].value.data is not None}
     return bool(given) and ("ros2" in given) != ("ros2" in old)

@@ -29,7 +29,7 @@ def stop_fields(
     """
     twist = Twist(v_mps=0.0, omega_radps=0.0)
     if stop is None and wire.adapter is not None:
-        return wire.adapter.to_lcm(twist, utime)
+        return wire.adapter.write(twist, utime)
     if wire.ros_type is not None and stop is not None:
         return stop
     known = codec_of(wire.lcm_class).fields

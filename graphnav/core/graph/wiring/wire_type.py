@@ -19,7 +19,7 @@ class WireType:
     """A type on the wire, and the message that graphs know it as."""
 
     name: str
-    """``package.type_t``"""
+    """``package.type_t``; of a topic ``package/Type``"""
     lcm_class: type
     message: type[Message]
     adapter: Adapter | None

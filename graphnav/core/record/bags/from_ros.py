@@ -16,10 +16,10 @@ import numpy as np
 from graphnav.core.messages import CameraInfo, FieldError, Image, Message, Odometry, Scan, Twist
 from graphnav.core.record.bags.library import RawMessage
 from graphnav.core.record.bags.ros_pictures import compressed_pixels, pixels_of
+from graphnav.core.ros2 import STAMP_AT, time_us
 
 _STAMPS = {True: struct.Struct("<iI"), False: struct.Struct(">iI")}
-_CDR_BYTES = 4
-"""The encapsulation at the begin of CDR, whose second byte tells the byte order."""
+"""By whether the second byte of a message is not 0: it tells the byte order."""
 
 
 class Reading(NamedTuple):
@@ -88,7 +88,6 @@ READ: dict[str, Reading] = {
 def stamp_us(raw: RawMessage, data: bytes) -> int:
     """Return the stamp of a message's header, microseconds; without one, or a stamp of 0, when it was recorded."""
     found = READ.get(raw.ros_type)
-    if found is None or not found.has_header or len(data) < _CDR_BYTES + 8:
+    if found is None or not found.has_header or len(data) < STAMP_AT + _STAMPS[True].size:
         return raw.logged_ns // 1000
-    seconds, nanoseconds = _STAMPS[bool(data[1])].unpack_from(data, _CDR_BYTES)
-    return seconds * 1_000_000 + nanoseconds // 1000 or raw.logged_ns // 1000
+    return time_us(*_STAMPS[bool(data[1])].unpack_from(data, STAMP_AT)) or raw.logged_ns // 1000

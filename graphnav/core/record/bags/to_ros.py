@@ -26,6 +26,7 @@ from graphnav.core.messages import (
     Twist,
 )
 from graphnav.core.record.bags.library import Cdr
+from graphnav.core.ros2 import time_fields
 
 _ROBOT, _ODOMETRY, _WORLD, _CAMERA = "base_link", "odom", "map", "camera"
 _OCCUPANCY = {LocalMap.UNKNOWN: -1, LocalMap.FREE: 0, LocalMap.OBSTACLE: 100, LocalMap.MOVING: 100}
@@ -47,8 +48,7 @@ class RosMessages:
 
     def header(self, utime: int, frame: str) -> Any:
         """Return a header with a stamp in microseconds."""
-        seconds, rest_us = divmod(utime, 1_000_000)
-        stamp = self.make("builtin_interfaces/msg/Time", sec=seconds, nanosec=rest_us * 1000)
+        stamp = self.make("builtin_interfaces/msg/Time", **time_fields(utime))
         return self.make("std_msgs/msg/Header", stamp=stamp, frame_id=frame)
 
     def vector(self, kind: str, x: float, y: float, z: float) -> Any:

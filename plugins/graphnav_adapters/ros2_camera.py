@@ -1,4 +1,4 @@
-"""Adapters of ROS 2 pictures: ``sensor_msgs/Image`` and ``sensor_msgs/CompressedImage``."""
+"""Adapters of what ROS 2 cameras publish: ``sensor_msgs/Image``, ``CompressedImage`` and ``CameraInfo``."""
 
 from __future__ import annotations
 
@@ -7,11 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from graphnav import FieldError, Image, Ros2Adapter
-from graphnav.arrays import Bytes
-from graphnav_adapters.max_pixels import check_size
-from graphnav_adapters.padded_rows import Names, without_padding
-from graphnav_adapters.ros2_header import header
+from graphnav import CameraInfo, FieldError, Image, Ros2Adapter
+from graphnav_adapters.pixels import Names, check_size, shape_of, without_padding
 
 _ENCODINGS: Mapping[str, tuple[int, slice | None]] = {
     "mono8": (1, None),
@@ -66,9 +63,9 @@ uint8[] data
 
     def to_ros(self, message: Image, utime: int) -> Mapping[str, Any]:
         """Return the fields of a gray or red-green-blue picture."""
-        rows, cols, channels = _shape(message.pixels)
+        rows, cols, channels = shape_of(message.pixels)
         return {
-            "header": header(utime, _FRAME),
+            "header": self.header(utime, _FRAME),
             "height": rows,
             "width": cols,
             "encoding": "mono8" if channels == 1 else "rgb8",
@@ -104,14 +101,67 @@ uint8[] data
         """Return the fields of a gray or red-green-blue picture as JPEG."""
         from graphnav_adapters.jpeg import encode_jpeg
 
-        _shape(message.pixels)
-        return {"header": header(utime, _FRAME), "format": "jpeg", "data": encode_jpeg(message.pixels)}
+        shape_of(message.pixels)  # what a JPEG cannot hold is refused
+        return {"header": self.header(utime, _FRAME), "format": "jpeg", "data": encode_jpeg(message.pixels)}
 
 
-def _shape(pixels: Bytes) -> tuple[int, int, int]:
-    """Return rows, columns and channels; raises ValueError for a picture that is neither gray nor red-green-blue."""
-    if pixels.ndim == 2:
-        return (*pixels.shape, 1)
-    if pixels.ndim != 3 or pixels.shape[2] != 3:
-        raise ValueError(f"pixels of shape {pixels.shape} are neither (rows, cols) nor (rows, cols, 3)")
-    return (*pixels.shape[:2], 3)
+class RosCameraInfo(Ros2Adapter):
+    """``sensor_msgs/CameraInfo`` to `CameraInfo` and back.
+
+    Binning and region of interest are not read. The stamp is that of the header.
+    """
+
+    type_name = "sensor_msgs/CameraInfo"
+    definition = """
+std_msgs/Header header
+uint32 height
+uint32 width
+string distortion_model
+float64[] d
+float64[9] k
+float64[9] r
+float64[12] p
+uint32 binning_x
+uint32 binning_y
+sensor_msgs/RegionOfInterest roi
+===
+MSG: sensor_msgs/RegionOfInterest
+uint32 x_offset
+uint32 y_offset
+uint32 height
+uint32 width
+bool do_rectify
+"""
+    message = CameraInfo
+
+    def from_ros(self, fields: Mapping[str, Any]) -> CameraInfo:
+        """Return the parameters.
+
+        Raises
+        ------
+        ValueError
+            The model is not known, has not so many coefficients, or the camera is not calibrated.
+        """
+        values = {
+            "rows": fields["height"],
+            "cols": fields["width"],
+            "model": fields["distortion_model"],
+            "camera": np.array(fields["k"], np.float64).reshape(3, 3),
+            "distortion": np.array(fields["d"], np.float64),
+            "rectification": np.array(fields["r"], np.float64).reshape(3, 3),
+            "projection": np.array(fields["p"], np.float64).reshape(3, 4),
+        }
+        return CameraInfo.from_lcm_fields(values)
+
+    def to_ros(self, message: CameraInfo, utime: int) -> Mapping[str, Any]:
+        """Return the fields, without binning and for the complete picture."""
+        return {
+            "header": self.header(utime, _FRAME),
+            "height": message.rows,
+            "width": message.cols,
+            "distortion_model": message.model,
+            "d": message.distortion,
+            "k": message.camera.reshape(-1),
+            "r": message.rectification.reshape(-1),
+            "p": message.projection.reshape(-1),
+        }

@@ -1,4 +1,4 @@
-"""Read pictures from a log: of LCM, or a ROS 2 bag."""
+"""Open a log, of LCM or a ROS 2 bag, choose a channel in it, and read its pictures."""
 
 from __future__ import annotations
 
@@ -101,16 +101,11 @@ def channel_of(log: Recording, kind: type[Message], channel: str | None, param: 
     word = "channel" if log.bag is None else "topic"
     count = f"no {word} '{channel}'" if channel else f"{len(known) or 'no'} {word}{'' if len(known) == 1 else 's'}"
     hint = f"its {word}s of {kind.__name__} are {', '.join(known) or 'none'}"
-    others = [f"{name} ({ros_type})" for name, ros_type in log.bag.types.items()] if log.bag and not known else []
-    raise ParamError(
-        param, f"'{log.path}' has {count} of {kind.__name__}", "; it holds ".join([hint, *_joined(others)])
-    )
+    if log.bag is not None and log.bag.types and not known:
+        hint += f"; it holds {', '.join(f'{name} ({ros_type})' for name, ros_type in log.bag.types.items())}"
+    raise ParamError(param, f"'{log.path}' has {count} of {kind.__name__}", hint)
 
 
 def channels_of(log: Recording, kind: type[Message]) -> list[str]:
     """Return the channels of a log that have messages of a type."""
     return [name for name, found in log.channels.items() if found is kind.lcm_class]
-
-
-def _joined(names: list[str]) -> list[str]:
-    return [", ".join(names)] if names else []
