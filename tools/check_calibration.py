@@ -20,7 +20,7 @@ import numpy as np
 from graphnav_io.calibrate import calibrate
 from graphnav_io.calibration import calibration_text
 from graphnav_io.floor_mount import Pose, level_camera, leveling
-from graphnav_io.lens_fit import Lens
+from graphnav_io.lens import Lens
 from testbed.rendered_board import BoardCamera
 
 from graphnav import CalibrationBoard, CalibrationTask, CameraCalibration, Mount
@@ -71,7 +71,7 @@ def hand_pictures(camera: BoardCamera, rng: np.random.Generator, n_pictures: int
 
 
 def floor_pictures(camera: BoardCamera, mount: Mount, roll_deg: float, rng: np.random.Generator) -> Iterator[Bytes]:
-    """Yield three pictures of a board on the floor; it is larger the higher the camera is, as a user would print it."""
+    """Yield three pictures of a board on the floor, at other places and turned."""
     for across, yaw_deg in ((0.5, -10.0), (0.35, 25.0), (0.6, 70.0)):
         pixel = across * camera.cols, 0.5 * camera.rows
         yield camera.picture(camera.floor_pose(mount, roll_deg, pixel, yaw_deg), rng)
@@ -98,7 +98,6 @@ def check(seeds: Sequence[int], folder: Path) -> bool:
         for seed in seeds:
             rng = np.random.default_rng(seed)
             mount, roll_deg = MOUNTS[seed % len(MOUNTS)], ROLLS_DEG[seed % len(ROLLS_DEG)]
-            size = camera.board.square_m
             pictures = list(hand_pictures(camera, rng))
             floor = list(floor_pictures(camera, mount, roll_deg, rng))
             found = calibration_of(camera, pictures, floor, folder / f"{name} {seed}")
@@ -114,7 +113,7 @@ def check(seeds: Sequence[int], folder: Path) -> bool:
             is_fine &= focal <= MAX_FOCAL_RATIO and abs(height) <= MAX_HEIGHT_RATIO and abs(tilt) <= MAX_TILT_DEG
             used = sum(not one.refusal for one in found.pictures)
             numbers = f"{focal:.2%}", f"{center:.2f}", f"{height:+.2%}", f"{tilt:+.3f}", f"{roll:+.3f}"
-            rows.append((name, seed, f"{used}/{len(found.pictures)}, {size:g} m", *numbers))
+            rows.append((name, seed, f"{used}/{len(found.pictures)}, {camera.board.square_m:g} m", *numbers))
             print(*rows[-1], flush=True)
     header = ("camera", "seed", "used", "focal", "centre [px]", "height", "tilt [deg]", "roll [deg]")
     print_folded(Table.plain(header, rows, right=header[3:]))
@@ -161,8 +160,7 @@ def text_of(lens: Lens, level: Doubles, camera: BoardCamera) -> str:
     """Return the calibration's file of a lens that is known."""
     projection = level_camera(lens, level, camera.rows, camera.cols)
     assert projection is not None
-    args = camera.rows, camera.cols, lens.camera, lens.distortion, level, projection
-    return calibration_text(*args, is_fisheye=False)
+    return calibration_text(lens, camera.rows, camera.cols, level, projection)
 
 
 def write_study(folder: Path) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from graphnav import Image, ParamError, Place, UserError, open_log
 from graphnav.arrays import Bytes
+from graphnav_io.boards import Fault
 from graphnav_io.capture import open_capture
 from graphnav_io.pictures import SUFFIXES, find_pictures, is_pictures, read_picture
 
@@ -24,11 +25,11 @@ LOG_SUFFIX = re.compile(r"\.lcmlog(\.\d+)?$")
 
 
 class Shot(NamedTuple):
-    """A picture, gray, and its name in tables; ``fault``: why it cannot be read, the picture is then empty."""
+    """A picture, gray, and its name in tables; ``fault``: why it cannot be read; the picture is then empty."""
 
     name: str
     gray: Bytes
-    fault: str = ""
+    fault: Fault | None = None
 
 
 def read_shots(paths: Sequence[Path], option: str) -> Iterator[Shot]:
@@ -72,7 +73,7 @@ def _of_file(file: Path) -> Shot:
     try:
         return Shot(file.name, _gray(read_picture(file)))
     except ValueError as error:
-        return Shot(file.name, _EMPTY, str(error))
+        return Shot(file.name, _EMPTY, Fault(str(error)))
 
 
 def _of_video(path: Path) -> Iterator[Shot]:
@@ -88,7 +89,7 @@ def _of_video(path: Path) -> Iterator[Shot]:
                 yield Shot(f"{path.name}#{number}", _gray(pixels))
             number += 1
     except ValueError as error:
-        yield Shot(path.name, _EMPTY, str(error))
+        yield Shot(path.name, _EMPTY, Fault(str(error)))
     finally:
         frames.close()
 

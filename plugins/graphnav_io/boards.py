@@ -34,6 +34,21 @@ _MAX_DETECTED_PX = 2000
 """Boards are looked for in pictures of at most so many columns; corners are then refined in all of it."""
 
 
+class Fault(NamedTuple):
+    """Why a picture is not used: a reason that other pictures may share, and what of this one shows it."""
+
+    reason: str
+    detail: str = ""
+
+    def __str__(self) -> str:
+        """Return both, for tables."""
+        return f"{self.reason}: {self.detail}" if self.detail else self.reason
+
+
+NO_BOARD = Fault("no board found")
+TOO_FEW = "too few corners"
+
+
 class Corners(NamedTuple):
     """Corners of the board in a picture.
 
@@ -43,7 +58,7 @@ class Corners(NamedTuple):
 
     points_px: Doubles
     places_m: Doubles
-    fault: str = ""
+    fault: Fault | None = None
     seen: tuple[int, int] | None = None
 
 
@@ -64,11 +79,11 @@ class BoardFinder:
     def find(self, gray: Bytes) -> Corners:
         """Return the corners in a picture, uint8 (rows, cols)."""
         found = self._checkerboard(gray) if self.board.marker_m is None else self._charuco(gray)
-        if found.fault:
+        if found.fault is not None:
             return found
         width, limit = edge_width_px(gray, found, self.board), max(MIN_EDGE_PX, EDGE_RATIO * gray.shape[1])
         if width > limit:
-            return found._replace(fault=f"blurred: its edges are {width:.1f} px wide, more than {limit:.1f}")
+            return found._replace(fault=Fault("blurred", f"its edges are {width:.1f} px wide, more than {limit:.1f}"))
         return found
 
     @cached_property
@@ -128,27 +143,29 @@ class BoardFinder:
     def _another(self, rows: int, cols: int) -> Corners:
         """Return the finding in place of the board: nothing, a part of it, or another one."""
         if not rows:
-            return Corners(*NONE, "no board found")
+            return Corners(*NONE, NO_BOARD)
         rows, cols = sorted((rows, cols), reverse=self.board.cols < self.board.rows)  # it may lie on its side
         wanted = f"{self.board.cols}x{self.board.rows}"
         if cols > self.board.cols or rows > self.board.rows:
-            return Corners(*NONE, f"another board: {cols}x{rows} inner corners, not {wanted}", (cols, rows))
-        if (cols, rows) == (self.board.cols, self.board.rows):
-            return Corners(*NONE, "the board is seen too much from the side, or unsharp", (cols, rows))
-        return Corners(*NONE, f"cut off or covered: {cols}x{rows} of {wanted} corners seen", (cols, rows))
+            fault = Fault("another board", f"{cols}x{rows} inner corners, not {wanted}")
+        elif (cols, rows) == (self.board.cols, self.board.rows):
+            fault = Fault("the board is seen too much from the side, or unsharp")
+        else:
+            fault = Fault("cut off or covered", f"{cols}x{rows} of {wanted} corners seen")
+        return Corners(*NONE, fault, (cols, rows))
 
     def _charuco(self, gray: Bytes) -> Corners:
         with quiet():
             points, numbers, marked, _ = self._detector.detectBoard(gray)
         if numbers is None or len(numbers) == 0:
-            return Corners(*NONE, f"too few corners: 0, of {len(marked)} markers" if marked else "no board found")
+            return Corners(*NONE, Fault(TOO_FEW, f"0, of {len(marked)} markers") if marked else NO_BOARD)
         points_px = points.reshape(-1, 2).astype(np.float64)
         places_m = np.asarray(self.charuco.getChessboardCorners(), np.float64)[numbers.reshape(-1)]
         if len(points_px) < MIN_CORNERS:
-            return Corners(points_px, places_m, f"too few corners: {len(points_px)}, but {MIN_CORNERS} are needed")
+            return Corners(points_px, places_m, Fault(TOO_FEW, f"{len(points_px)}, but {MIN_CORNERS} are needed"))
         extents = np.linalg.svd(places_m[:, :2] - places_m[:, :2].mean(axis=0), compute_uv=False)
         if extents[1] < MIN_SPREAD_RATIO * extents[0]:
-            return Corners(points_px, places_m, "too few corners: all are on one line")
+            return Corners(points_px, places_m, Fault(TOO_FEW, "all are on one line"))
         return Corners(points_px, places_m)
 
 

@@ -23,11 +23,12 @@ from graphnav import (
 )
 from graphnav.arrays import Doubles
 from graphnav_io.board_pictures import read_shots
-from graphnav_io.boards import NONE, BoardFinder, Corners
+from graphnav_io.boards import NONE, BoardFinder, Corners, Fault
 from graphnav_io.calibration import calibration_text
 from graphnav_io.contact_sheet import Tile, write_sheet
 from graphnav_io.floor_mount import MAX_ZOOM, Pose, floor_pose, level_camera, leveling
-from graphnav_io.lens_fit import FISHEYE_NAMES, MAX_REFITS, PINHOLE_NAMES, Fit, Lens, fit_lens, outliers
+from graphnav_io.lens import Lens
+from graphnav_io.lens_fit import FISHEYE_NAMES, MAX_REFITS, PINHOLE_NAMES, Fit, fit_lens, outlier
 
 PICTURES, FLOOR = "PICTURES", "--floor"
 MIN_PICTURES = 8
@@ -76,7 +77,7 @@ def calibrate(task: CalibrationTask) -> CameraCalibration:
 def _shown(task: CalibrationTask, finder: BoardFinder, option: str) -> list[Shown]:
     found = []
     for name, gray, fault in read_shots(task.pictures if option == PICTURES else task.floor, option):
-        corners = Corners(*NONE, fault) if fault else finder.find(gray)
+        corners = finder.find(gray) if fault is None else Corners(*NONE, fault)
         rows, cols = gray.shape
         found.append(Shown(name, rows, cols, corners, Tile.of(name, gray, corners.points_px)))
     return found
@@ -87,7 +88,7 @@ class _Calibrator:
 
     def __init__(self, task: CalibrationTask, pictures: list[Shown], floor: list[Shown]) -> None:
         self._task, self._pictures, self._floor = task, pictures, floor
-        self._refusals: dict[int, str] = {}
+        self._refusals: dict[int, Fault] = {}
         self._errors_px: dict[int, float] = {}
         self._floor_rows: list[FloorPicture] = []
         self._notices: list[str] = []
@@ -106,7 +107,7 @@ class _Calibrator:
         if fit is not None and problem is None:
             prepared, text, problem = self._prepared(fit.lens, mounting)
         rows = tuple(
-            BoardPicture(one.name, len(one.corners.points_px), self._errors_px.get(n), self._refusals.get(n, ""))
+            BoardPicture(one.name, len(one.corners.points_px), self._errors_px.get(n), str(self._refusals.get(n, "")))
             for n, one in enumerate(self._pictures)
         )
         tiles = [one.tile.judged(row.refusal) for one, row in zip(self._pictures, rows, strict=True)]
@@ -120,23 +121,23 @@ class _Calibrator:
         kept: list[Corners] = []
         for number, one in enumerate(self._pictures):
             fault = self._fault(one) or self._same_pose(one.corners, kept)
-            if fault:
-                self._refusals[number] = fault
-            else:
+            if fault is None:
                 kept.append(one.corners)
+            else:
+                self._refusals[number] = fault
 
-    def _fault(self, one: Shown) -> str:
+    def _fault(self, one: Shown) -> Fault | None:
         if one.rows and (one.rows, one.cols) != (self._rows, self._cols):
-            return f"has {one.cols}x{one.rows} pixels, but most have {self._cols}x{self._rows}"
+            return Fault(f"has {one.cols}x{one.rows} pixels, but most have {self._cols}x{self._rows}")
         return one.corners.fault
 
-    def _same_pose(self, corners: Corners, others: Sequence[Corners]) -> str:
+    def _same_pose(self, corners: Corners, others: Sequence[Corners]) -> Fault | None:
         for other in others:
             if len(other.points_px) == len(corners.points_px) and (other.places_m == corners.places_m).all():
                 moved_px = float(np.linalg.norm(other.points_px - corners.points_px, axis=1).mean())
                 if moved_px < SAME_RATIO * self._cols:
-                    return f"same pose as another: its corners moved by {moved_px:.1f} px"
-        return ""
+                    return Fault("same pose as another", f"its corners moved by {moved_px:.1f} px")
+        return None
 
     @property
     def _used(self) -> list[int]:
@@ -146,6 +147,7 @@ class _Calibrator:
         """Return the lens, and what is wrong with it."""
         if problem := self._too_few():
             return None, problem
+        n_left_out = 0
         while True:
             used = self._used
             try:
@@ -156,17 +158,12 @@ class _Calibrator:
                 hint = "take pictures in which the board fills more of the picture, tilted by 20 to 45 degrees"
                 return None, _problem("OpenCV finds no lens that fits the corners", hint)
             self._errors_px |= dict(zip(used, fit.picture_px.tolist(), strict=True))
-            worst = outliers(fit) if len(used) > max(MIN_PICTURES, self._n_sound - MAX_REFITS) else []
-            if not worst:
+            worst = outlier(fit) if len(used) > MIN_PICTURES and n_left_out < MAX_REFITS else None
+            if worst is None:
                 return fit, self._undetermined(fit)
-            for index in worst:
-                error = fit.picture_px[index]
-                self._refusals[used[index]] = f"does not fit the others: {error:.1f} px off, the board moved or is bent"
-
-    @property
-    def _n_sound(self) -> int:
-        """The number of pictures with a board, also of those that did not fit."""
-        return len(self._used) + sum(text.startswith("does not fit") for text in self._refusals.values())
+            detail = f"{fit.picture_px[worst]:.1f} px off, the board moved or is bent"
+            self._refusals[used[worst]] = Fault("does not fit the others", detail)
+            n_left_out += 1
 
     def _too_few(self) -> Problem | None:
         n_used, n_all = len(self._used), len(self._pictures)
@@ -180,7 +177,7 @@ class _Calibrator:
                 what = f"{n_seen} of {n_all} pictures show {cols}x{rows} inner corners, not {board.cols}x{board.rows}"
                 return _problem(what, f"give --board {cols}x{rows}", "--board")
         what = f"{n_used} of {n_all} pictures can be used, but {MIN_PICTURES} are needed"
-        reasons = Counter(text.partition(":")[0] for text in self._refusals.values())
+        reasons = Counter(fault.reason for fault in self._refusals.values())
         told = ", ".join(f"{n} {reason}" for reason, n in reasons.most_common(3))
         return _problem(f"{what} ({told})" if told else what, "take 20 with the complete board, each from another side")
 
@@ -248,18 +245,17 @@ class _Calibrator:
         poses: dict[int, Pose] = {}
         faults: dict[int, str] = {}
         for number, one in enumerate(self._floor):
-            fault = self._fault(one)
-            if not fault:
-                try:
-                    poses[number] = floor_pose(one.corners, lens, self._task.rotate_deg // 90)
-                except ValueError as error:
-                    fault = str(error)
-            if fault:
-                faults[number] = fault
+            if (fault := self._fault(one)) is not None:
+                faults[number] = str(fault)
+                continue
+            try:
+                poses[number] = floor_pose(one.corners, lens, self._task.rotate_deg // 90)
+            except ValueError as error:
+                faults[number] = str(error)
         median = _median(list(poses.values()))
         for number, pose in poses.items():
-            if fault := _off_floor(pose, median):
-                faults[number] = fault
+            if off := _off_floor(pose, median):
+                faults[number] = off
         for number, one in enumerate(self._floor):
             pose = poses.get(number, Pose(math.nan, math.nan, math.nan))
             angles = math.degrees(pose.tilt_rad), math.degrees(pose.roll_rad)
@@ -308,14 +304,14 @@ class _Calibrator:
             return None, "", _problem(what, "mount the camera level", FLOOR)
         cols, rows = (self._rows, self._cols) if turns % 2 else (self._cols, self._rows)
         fov_deg = 2 * math.degrees(math.atan(cols / 2 / camera[0, 0]))
-        text = calibration_text(
-            self._rows, self._cols, lens.camera, lens.distortion, level, camera, is_fisheye=lens.is_fisheye
-        )
+        text = calibration_text(lens, self._rows, self._cols, level, camera)
         return PreparedCamera(cols, rows, fov_deg, height_m, tilt_deg), text, None
 
     def _unused(self, one: Shown) -> FloorPicture:
         unknown = math.nan, math.nan, math.nan
-        return FloorPicture(one.name, len(one.corners.points_px), *unknown, self._fault(one) or "the lens is not known")
+        return FloorPicture(
+            one.name, len(one.corners.points_px), *unknown, str(self._fault(one) or "the lens is not known")
+        )
 
 
 def _problem(what: str, hint: str, option: str = PICTURES) -> Problem:

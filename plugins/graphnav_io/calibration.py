@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from graphnav import ParamError, read_regular
 from graphnav.arrays import Doubles
+from graphnav_io.lens import Lens, Maps
 from graphnav_io.quiet import quiet
 
 CALIBRATE = "calibrate the camera with graphnav calibrate, OpenCV or ROS, and give the YAML file that it writes"
@@ -25,9 +25,8 @@ _COUNTS = {False: (4, 5, 8, 12, 14), True: (4,)}
 
 
 class Calibration(NamedTuple):
-    """The intrinsic parameters of a camera.
+    """The intrinsic parameters of a camera, of a file.
 
-    ``camera``: (3, 3), focal lengths and principal point in pixels. ``distortion``: (n,), in OpenCV's order.
     ``rectification``: (3, 3), the rotation to the camera of the rectified picture, ``projection``: (3, 3), its camera
     matrix; None where the file has none.
     """
@@ -35,9 +34,7 @@ class Calibration(NamedTuple):
     path: Path
     rows: int
     cols: int
-    camera: Doubles
-    distortion: Doubles
-    is_fisheye: bool
+    lens: Lens
     rectification: Doubles | None = None
     projection: Doubles | None = None
 
@@ -50,18 +47,16 @@ class Calibration(NamedTuple):
                 "calibrate at the size that the camera sends; 'size' resizes later",
             )
 
-    def maps(self, *, rectify: bool) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    def maps(self, *, rectify: bool) -> Maps:
         """Return column and row of the distorted picture for every pixel of the undistorted one, each (rows, cols).
 
         ``rectify``: the undistorted picture is that of ``projection`` after ``rectification``, else that of the same
         focal length and centre.
         """
-        turn, camera = (self.rectification, self.projection) if rectify else (np.eye(3), self.camera)
-        make = cv2.fisheye.initUndistortRectifyMap if self.is_fisheye else cv2.initUndistortRectifyMap
+        turn, camera = (self.rectification, self.projection) if rectify else (np.eye(3), self.lens.camera)
         assert turn is not None, "checked when the file is read"
         assert camera is not None
-        x, y = make(self.camera, self.distortion, turn, camera, (self.cols, self.rows), cv2.CV_32FC1)
-        return np.asarray(x, np.float32), np.asarray(y, np.float32)
+        return self.lens.maps(self.rows, self.cols, turn, camera)
 
 
 def read_calibration(path: Path) -> Calibration:
@@ -86,7 +81,8 @@ def read_calibration(path: Path) -> Calibration:
         kind, counts = ("fisheye", "4") if is_fisheye else ("pinhole", "4, 5, 8, 12 or 14")
         what = f"'distortion_coefficients' has {distortion.size} numbers, but a {kind} camera has {counts}"
         raise _fault(path, what, "check 'distortion_model': plumb_bob, rational_polynomial or equidistant")
-    return Calibration(path, rows, cols, camera.reshape(3, 3), distortion, is_fisheye, *_rectified(path, file))
+    lens = Lens(camera.reshape(3, 3), distortion, is_fisheye)
+    return Calibration(path, rows, cols, lens, *_rectified(path, file))
 
 
 def check_rectified(calibration: Calibration) -> None:
@@ -96,20 +92,11 @@ def check_rectified(calibration: Calibration) -> None:
         raise ParamError("rectify", what, "calibrate with graphnav calibrate, or set rectify: false")
 
 
-def calibration_text(
-    rows: int,
-    cols: int,
-    camera: Doubles,
-    distortion: Doubles,
-    rectification: Doubles,
-    projection: Doubles,
-    *,
-    is_fisheye: bool,
-) -> str:
+def calibration_text(lens: Lens, rows: int, cols: int, rectification: Doubles, projection: Doubles) -> str:
     """Return the YAML of ROS camera_info, which `read_calibration` reads; parameters as `Calibration` has them."""
     matrices = {
-        "camera_matrix": camera,
-        "distortion_coefficients": distortion.reshape(1, -1),
+        "camera_matrix": lens.camera,
+        "distortion_coefficients": lens.distortion.reshape(1, -1),
         "rectification_matrix": rectification,
         "projection_matrix": np.column_stack([projection, np.zeros(3)]),
     }
@@ -119,7 +106,7 @@ def calibration_text(
         f"image_width: {cols}",
         f"image_height: {rows}",
         "camera_name: camera",
-        f"distortion_model: {'equidistant' if is_fisheye else 'plumb_bob'}",
+        f"distortion_model: {'equidistant' if lens.is_fisheye else 'plumb_bob'}",
     ]
     for name, matrix in matrices.items():
         numbers = ", ".join(f"{value:.10g}" for value in matrix.ravel().tolist())

@@ -11,7 +11,7 @@ import numpy as np
 from graphnav import Mount
 from graphnav.arrays import Doubles
 from graphnav_io.boards import Corners
-from graphnav_io.lens_fit import Lens
+from graphnav_io.lens import Lens
 
 MAX_ZOOM = 2.0
 SEEN_PX = 0.05

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import cv2
@@ -16,6 +15,7 @@ import numpy as np
 
 from graphnav.arrays import Doubles
 from graphnav_io.boards import Corners
+from graphnav_io.lens import STOP, Lens
 from graphnav_io.quiet import quiet
 
 PINHOLE_NAMES = ("k1", "k2", "p1", "p2", "k3")
@@ -25,33 +25,8 @@ CLEAR_DEVIATIONS = 3.0
 OUTLIER_RATIO, OUTLIER_PX = 3.0, 0.5
 """A picture whose error is so many times the median, and more than this, does not fit the others."""
 MAX_REFITS = 5
-_STOP: Any = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-9)
 _FLAGS: Any = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.fisheye  # where they were before OpenCV 5
 _FISHEYE = _FLAGS.CALIB_RECOMPUTE_EXTRINSIC | _FLAGS.CALIB_FIX_SKEW
-
-
-@dataclass(frozen=True)
-class Lens:
-    """A camera matrix (3, 3) and distortion coefficients in OpenCV's order."""
-
-    camera: Doubles
-    distortion: Doubles
-    is_fisheye: bool
-
-    def rays(self, points_px: Doubles) -> Doubles:
-        """Return where points (n, 2) lie in a picture of focal length 1 without distortion."""
-        undistort: Any = getattr(cv2, "undistortPointsIter", cv2.undistortPoints)  # called so before OpenCV 5
-        if self.is_fisheye:
-            undistort = cv2.fisheye.undistortPoints
-        points = np.ascontiguousarray(points_px, np.float64).reshape(-1, 1, 2)
-        found = undistort(points, self.camera, self.distortion, R=np.eye(3), P=np.eye(3), criteria=_STOP)
-        return np.asarray(found, np.float64).reshape(-1, 2)
-
-    def project(self, points: Doubles, turn: Doubles, shift: Doubles) -> Doubles:
-        """Return the pixels of points (n, 3) after a rotation (vector) and a shift into the camera's frame."""
-        project = cv2.fisheye.projectPoints if self.is_fisheye else cv2.projectPoints
-        found = project(points.reshape(-1, 1, 3), turn, shift, self.camera, self.distortion)[0]
-        return np.asarray(found, np.float64).reshape(-1, 2)
 
 
 class Fit(NamedTuple):
@@ -99,17 +74,17 @@ def fit_lens(found: Sequence[Corners], rows: int, cols: int, *, is_fisheye: bool
     return full if is_clear else simple
 
 
-def outliers(fit: Fit) -> list[int]:
-    """Return the pictures that do not fit the others, the worst only: without it others may fit."""
+def outlier(fit: Fit) -> int | None:
+    """Return the picture that fits the others worst if it does not fit them; without it the rest may fit."""
     worst = int(fit.picture_px.argmax())
     limit = max(OUTLIER_PX, OUTLIER_RATIO * float(np.median(fit.picture_px)))
-    return [worst] if fit.picture_px[worst] > limit else []
+    return worst if fit.picture_px[worst] > limit else None
 
 
 def _pinhole(found: Sequence[Corners], rows: int, cols: int, flags: int) -> Fit:
     places, points = _arrays(found)
     rms, camera, distortion, turns, _, deviations, _, per_picture = cv2.calibrateCameraExtended(
-        places, points, (cols, rows), np.eye(3), np.zeros(5), flags=flags, criteria=_STOP
+        places, points, (cols, rows), np.eye(3), np.zeros(5), flags=flags, criteria=STOP
     )
     lens = Lens(np.asarray(camera), np.asarray(distortion).reshape(-1)[:5], is_fisheye=False)
     return Fit(lens, np.asarray(deviations).reshape(-1)[:9], rms, np.asarray(per_picture).reshape(-1), _normals(turns))
@@ -119,7 +94,7 @@ def _fisheye(found: Sequence[Corners], rows: int, cols: int) -> Fit:
     places, points = ([one.reshape(1, *one.shape).astype(np.float64) for one in many] for many in _arrays(found))
     camera, distortion = np.eye(3), np.zeros((4, 1))
     rms, camera, distortion, turns, shifts = cv2.fisheye.calibrate(
-        places, points, (cols, rows), camera, distortion, flags=_FISHEYE, criteria=_STOP
+        places, points, (cols, rows), camera, distortion, flags=_FISHEYE, criteria=STOP
     )
     lens = Lens(np.asarray(camera), np.asarray(distortion).reshape(-1), is_fisheye=True)
     errors = [

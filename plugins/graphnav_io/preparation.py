@@ -13,10 +13,10 @@ import numpy.typing as npt
 from graphnav import ParamError, Stage, param
 from graphnav.arrays import Bytes
 from graphnav_io.calibration import Calibration, check_rectified, read_calibration
+from graphnav_io.lens import Maps
 from graphnav_io.picture_size import MAX_PIXELS
 
 Rotation = Literal[0, 90, 180, 270]
-Maps = tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
 
 
 class Prepared(Stage):

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import cv2
 import numpy as np
 
 from graphnav import CameraInfo, Image, Latest, Stage, param
-from graphnav_io.calibration import Calibration
-from graphnav_io.preparation import Maps
+from graphnav_io.lens import Lens, Maps
 
 MAX_ERROR = 0.01
 """Of the determinant of a rotation."""
@@ -62,14 +59,7 @@ class Undistort(Stage):
         if self.rectify and not (has_projection and abs(np.linalg.det(info.rectification) - 1.0) < MAX_ERROR):
             what = "the camera's information has no projection, or a rectification that is not a rotation"
             raise ValueError(f"{what}: publish both, or set rectify: false")
-        calibration = Calibration(
-            Path("info"),
-            info.rows,
-            info.cols,
-            info.camera,
-            info.distortion if info.distortion.size else np.zeros(4),
-            info.model == "equidistant",
-            info.rectification,
-            projection,
-        )
-        self._maps = calibration.maps(rectify=self.rectify)
+        distortion = info.distortion if info.distortion.size else np.zeros(4)
+        lens = Lens(info.camera, distortion, info.model == "equidistant")
+        target = (info.rectification, projection) if self.rectify else (np.eye(3), info.camera)
+        self._maps = lens.maps(info.rows, info.cols, *target)

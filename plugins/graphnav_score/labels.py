@@ -13,8 +13,16 @@ import PIL.Image
 import graphnav
 from graphnav import Metric, ParamError, Role, Stage, Stamp, block_sum, param, read_regular
 from graphnav.arrays import Bytes, Floats
+from graphnav_score.detection import (
+    AUROC,
+    BALANCED_ACCURACY,
+    FALSE_ALARM_RATIO,
+    RECALL,
+    balanced_accuracy,
+    judged_ratio,
+    share,
+)
 from graphnav_score.frame_metrics import of_frames
-from graphnav_score.plane import FALSE_ALARM_RATIO, mean, share
 from graphnav_score.roc import Roc
 
 GROUND, OBSTACLE = 0, 255
@@ -39,22 +47,8 @@ class Labels(Stage):
     metrics: ClassVar[tuple[Metric, ...]] = of_frames(
         Metric("frames", better="neither", bounds=(0.0, None), help="Labelled frames that were met."),
         Metric("unmet_labels", better="neither", bounds=(0.0, None), help="Labels at whose times no frame came."),
-        Metric(
-            "judged_ratio",
-            unit="ratio",
-            better="higher",
-            bounds=(0.0, 1.0),
-            min_difference=0.02,
-            help="Share of the labelled pixels that was judged.",
-        ),
-        Metric(
-            "auroc",
-            better="higher",
-            bounds=(0.0, 1.0),
-            min_difference=0.01,
-            is_key=True,
-            help="Area under the curve of the score, obstacle against ground, of the judged pixels.",
-        ),
+        judged_ratio("the labelled pixels"),
+        AUROC,
         Metric(
             "row_auroc",
             better="neither",
@@ -62,22 +56,8 @@ class Labels(Stage):
             is_key=True,
             help="The same of the picture's row in place of the score, on the same pixels.",
         ),
-        Metric(
-            "recall_at_5_false_alarms_ratio",
-            unit="ratio",
-            better="higher",
-            bounds=(0.0, 1.0),
-            min_difference=0.02,
-            help="Share of the obstacle found where 5 % of the ground is called obstacle.",
-        ),
-        Metric(
-            "balanced_accuracy_ratio",
-            unit="ratio",
-            better="higher",
-            bounds=(0.0, 1.0),
-            min_difference=0.01,
-            help="Mean of the shares of ground and of obstacle that the map calls so.",
-        ),
+        RECALL,
+        BALANCED_ACCURACY,
     )
 
     path: Path = param(doc="a folder of labels, gray PNG files named by the times of their pictures in microseconds")
@@ -131,7 +111,7 @@ class Labels(Stage):
             "auroc": self._roc.area(),
             "row_auroc": self._row_roc.area(),
             "recall_at_5_false_alarms_ratio": self._roc.recall(FALSE_ALARM_RATIO),
-            "balanced_accuracy_ratio": mean(share(kept, kept + false), share(hit, hit + missed)),
+            "balanced_accuracy_ratio": balanced_accuracy(kept, false, missed, hit),
         }
         met = {"frames": float(self._frames), "unmet_labels": float(len(self._files))}
         return met | {name: value for name, value in values.items() if value is not None}

@@ -10,12 +10,19 @@ import numpy as np
 
 import graphnav
 from graphnav import Metric, Role, Stage, Truth, param
+from graphnav_score.detection import (
+    AUROC,
+    BALANCED_ACCURACY,
+    FALSE_ALARM_RATIO,
+    RECALL,
+    balanced_accuracy,
+    judged_ratio,
+    share,
+)
 from graphnav_score.frame_metrics import of_frames
 from graphnav_score.frames import Frames
 from graphnav_score.pixels import count_pixels
 from graphnav_score.roc import Roc
-
-FALSE_ALARM_RATIO = 0.05
 
 
 class Plane(Stage):
@@ -45,38 +52,10 @@ class Plane(Stage):
             bounds=(0.0, 1.0),
             help="Frames that count, as a share of all in which something moved.",
         ),
-        Metric(
-            "judged_ratio",
-            unit="ratio",
-            better="higher",
-            bounds=(0.0, 1.0),
-            min_difference=0.02,
-            help="Share of their pixels that was judged.",
-        ),
-        Metric(
-            "auroc",
-            better="higher",
-            bounds=(0.0, 1.0),
-            min_difference=0.01,
-            is_key=True,
-            help="Area under the receiver operating characteristic of the score.",
-        ),
-        Metric(
-            "recall_at_5_false_alarms_ratio",
-            unit="ratio",
-            better="higher",
-            bounds=(0.0, 1.0),
-            min_difference=0.02,
-            help="Share of obstacle found where the score is split so that 5 % of the ground is called obstacle.",
-        ),
-        Metric(
-            "balanced_accuracy_ratio",
-            unit="ratio",
-            better="higher",
-            bounds=(0.0, 1.0),
-            min_difference=0.01,
-            help="Of the map: mean of the recalls of obstacle and of ground.",
-        ),
+        judged_ratio("their pixels"),
+        AUROC,
+        RECALL,
+        BALANCED_ACCURACY,
         Metric(
             "iou_ratio",
             unit="ratio",
@@ -189,7 +168,6 @@ class Plane(Stage):
         self._count_pending()
         (kept, false, _), (missed, hit, _) = self._confusion.tolist()
         (all_kept, all_false, rim_ground), (all_missed, all_hit, rim_obstacle) = self._all.tolist()
-        ground_recall, recall = share(kept, kept + false), share(hit, hit + missed)
         empty_kept, empty_false, _ = self._empty[0].tolist()
         all_obstacle = all_hit + all_missed + rim_obstacle
         values = {
@@ -197,12 +175,12 @@ class Plane(Stage):
             "judged_ratio": share(kept + false + missed + hit, int(self._confusion.sum())),
             "auroc": self._roc.area(),
             "recall_at_5_false_alarms_ratio": self._roc.recall(FALSE_ALARM_RATIO),
-            "balanced_accuracy_ratio": mean(ground_recall, recall),
+            "balanced_accuracy_ratio": balanced_accuracy(kept, false, missed, hit),
             "iou_ratio": share(hit, hit + missed + false),
             "false_obstacle_ratio": share(false + empty_false, kept + false + empty_kept + empty_false),
             "auroc_all": self._auroc_all(rim_obstacle, rim_ground),
-            "balanced_accuracy_all_ratio": mean(
-                share(all_kept + rim_ground, all_kept + rim_ground + all_false), share(all_hit, all_obstacle)
+            "balanced_accuracy_all_ratio": balanced_accuracy(
+                all_kept + rim_ground, all_false, all_missed + rim_obstacle, all_hit
             ),
             "unjudged_obstacle_ratio": share(rim_obstacle, all_obstacle),
             "flicker_ratio": share(self._changed, self._changed + self._kept),
@@ -238,13 +216,3 @@ class Plane(Stage):
         self._changed += changed
         self._kept += kept
         self._pending.clear()
-
-
-def share(part: float, total: float) -> float | None:
-    """Return the share of a part, None of nothing."""
-    return part / total if total else None
-
-
-def mean(one: float | None, other: float | None) -> float | None:
-    """Return the mean of two, None unless both are known."""
-    return None if one is None or other is None else (one + other) / 2

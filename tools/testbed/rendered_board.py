@@ -13,7 +13,7 @@ from functools import cached_property
 import cv2
 import numpy as np
 from graphnav_io.boards import BoardFinder
-from graphnav_io.lens_fit import Lens
+from graphnav_io.lens import Lens
 
 from graphnav import CalibrationBoard, Mount
 from graphnav.arrays import Bytes, Doubles, Floats

@@ -22,9 +22,9 @@ _CAPABILITIES = struct.Struct("=16s32s32sII I12x")
 _FORMAT = struct.Struct("=III32sI16x")
 """struct v4l2_fmtdesc: index, type, flags, description, pixelformat."""
 _SIZE = struct.Struct("=III6I8x")
-"""struct v4l2_frmsizeenum: index, pixel_format, type; width, height, or least, most and step of both."""
+"""struct v4l2_frmsizeenum: index, pixel_format, type; width, height, or minimum, maximum and step of both."""
 _INTERVAL = struct.Struct("=IIIII6I8x")
-"""struct v4l2_frmivalenum: index, pixel_format, width, height, type; fractions, s: one, or least, most, step."""
+"""struct v4l2_frmivalenum: index, pixel_format, width, height, type; fractions, s: one, or minimum, maximum, step."""
 _HAS_DEVICE_CAPS, _CAPTURE, _CAPTURE_PLANES = 0x80000000, 0x1, 0x1000
 _BUFFER_CAPTURE, _BUFFER_CAPTURE_PLANES = 1, 9
 _DISCRETE = 1

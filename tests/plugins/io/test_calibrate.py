@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from graphnav_io.boards import BoardFinder
-from graphnav_io.lens_fit import Lens
+from graphnav_io.lens import Lens
 from graphnav_io.prepare import Prepare
 from PIL import Image as Picture
 from testbed.rendered_board import BoardCamera
@@ -137,7 +137,7 @@ def test_a_charuco_board_may_be_cut_off() -> None:
     )
     pose = camera.pose_at((250.0, 120.0), 0.35, (10.0, 5.0, 0.0))
     found = BoardFinder(board).find(camera.picture(pose, np.random.default_rng(1)))
-    assert found.fault == ""
+    assert found.fault is None
     assert 8 <= len(found.points_px) < 15
     true = camera.lens.project(found.places_m, cv2.Rodrigues(pose.rotation)[0], pose.place_m)
     assert np.abs(found.points_px - true).max() < 0.5

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from graphnav_io.calibration import calibration_text
+from graphnav_io.lens import Lens
 from graphnav_io.prepare import Prepare
 from graphnav_io.undistort import Undistort
 
@@ -40,7 +41,7 @@ def stage_with(*, rectify: bool = False) -> Undistort:
 def test_it_is_what_prepare_makes_by_a_file(tmp_path: Path, rectify: bool, is_fisheye: bool) -> None:
     distortion = FISHEYE if is_fisheye else PINHOLE
     file = tmp_path / "camera.yml"
-    file.write_text(calibration_text(ROWS, COLS, CAMERA, distortion, TURN, LEVEL, is_fisheye=is_fisheye))
+    file.write_text(calibration_text(Lens(CAMERA, distortion, is_fisheye), ROWS, COLS, TURN, LEVEL))
     by_file = Prepare(calibration=file, rectify=rectify)
     by_file.reset(0)
     info = replace(INFO, model="equidistant" if is_fisheye else "plumb_bob", distortion=distortion)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import onnx
 import pytest
-from policy_training.drives import FRAMES, Drive, file_of, graph_of, make, seed_of, tuning_barn_worlds
+from policy_training.drives import FRAMES, Drive, file_of, graph_of, make, policy_stage, seed_of, tuning_barn_worlds
 from train_policy import ROUNDS, drives_of, main
 
 import graphnav
@@ -58,6 +58,18 @@ def test_a_drive_becomes_pictures_and_what_the_planner_would_do(world: str, tmp_
         assert made["pictures"].dtype == np.uint8
         assert (made["goals"][:, 1] > 0).all() == (world != "tight")
         assert np.abs(made["directions"]).max() <= np.pi
+
+
+@pytest.mark.parametrize("world", ["tight", "doors", "speed", "barn"])
+def test_a_network_is_taught_with_the_inputs_that_the_shipped_graph_gives_it(world: str) -> None:
+    shipped = next(node for node in graphnav.load(f"learned/{world}").nodes if node.name == "policy")
+    taught = policy_stage(SHIPPED, world)
+    assert taught["use"] == shipped.use
+    assert Path(taught["with"]["file"]) == shipped.settings["file"].value
+    for name in ("inputs", "history", "outputs"):
+        assert taught["with"][name] == shipped.settings[name].value
+    wires = {one.port.name: one.channel.ref for one in shipped.inputs if one.channel is not None}
+    assert taught["in"] == wires
 
 
 def test_the_planner_drives_alone_before_there_is_a_network() -> None:
