@@ -12,7 +12,7 @@ from attacks.own_time import OwnTime
 from attacks.spoiled_files import KINDS
 from attacks.verdict import Outcome, faults
 
-N_FILES = 25
+N_FILES = 12
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -16,7 +16,7 @@ from graphnav.core.cli import COMMANDS
 from graphnav.core.rooms import ROOMS
 
 ROOT = Path(__file__).resolve().parent.parent
-TESTED = ("spec", "stage", "messages", "codec", "record")
+TESTED = ("stage", "codec")
 """Folders of the core's tests that take little time."""
 IMPORTED = """
 import importlib, pkgutil, graphnav.core

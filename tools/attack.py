@@ -34,7 +34,7 @@ N_SHORT, N_LONG, N_COMMANDS = 60, 5000, 200
 N_LONG_OF = {"logs": 2000, "options": 2000, "python": 2000}
 """Of kinds that take longer, or are no files, in a long attack."""
 MESSAGES, SIGNALS, DISKS, LIVE = "messages", "signals", "disks", "live"
-COUNTS = {MESSAGES: (20_000, 1_000_000), SIGNALS: (5, 300), DISKS: (6, 120), LIVE: (1, 20)}
+COUNTS = {MESSAGES: (10_000, 1_000_000), SIGNALS: (4, 300), DISKS: (4, 120), LIVE: (1, 20)}
 """Hostile messages, runs to which signals are sent, disks that become full, and live robots, of a short and of a long
 attack."""
 _ALL = (*KINDS, *COUNTS)

@@ -251,6 +251,7 @@ def test_threads_may_send_and_stop_at_once(make: Make, listener: Listener, name:
         while not done.is_set():
             sender.send(channel, go())
             sender.stop()
+            time.sleep(0)  # the process of the motors has to come to it, too
 
     threads = [threading.Thread(target=hurry, args=(channel,)) for channel in (name, f"{name}_B")]
     for thread in threads:

@@ -124,13 +124,17 @@ class FoxgloveClient:
         return [shown for shown in self.shown if shown.topic == topic]
 
     def until(self, holds: Callable[[], Any], meanwhile: Callable[[], None] = lambda: None) -> None:
-        """Take what the server says until something holds, and do something meanwhile; fail where it never does."""
-        end_s = time.monotonic() + PATIENCE_S
+        """Take what the server says until something holds, and do something now and then; fail where it never does."""
+        next_s = time.monotonic()
+        end_s = next_s + PATIENCE_S
         while not holds():
-            left_s = end_s - time.monotonic()
+            now_s = time.monotonic()
+            left_s = end_s - now_s
             if left_s <= 0:
                 raise AssertionError(f"never: {sorted(self.offered)}, {self.state}, {self.shown[-3:]}")
-            meanwhile()
+            if now_s >= next_s:
+                meanwhile()
+                next_s = now_s + _POLL_S
             try:
                 self._take(self.socket.recv(min(left_s, _POLL_S)))
             except TimeoutError:
