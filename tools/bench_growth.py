@@ -1,7 +1,7 @@
-"""How the cost of a tick grows: with the pixels of the image, the number of stages, and the length of the run.
+"""How the cost of a tick grows: with pixels, stages, the length of the run, obstacles, and the side of the local map.
 
-``python tools/bench_growth.py [pixels] [stages] [length]`` prints three tables, all of them without arguments.
-Times are processor time, so that other programs on the machine do not count.
+``python tools/bench_growth.py [pixels] [stages] [length] [obstacles] [extent]`` prints these tables, without arguments
+all of them. Times are processor time, so that other programs on the machine do not count.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ import statistics
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import cv2
 from threadpoolctl import threadpool_limits
@@ -26,14 +27,17 @@ from graphnav.core.record import LogWriter
 from graphnav.core.runner import Lockstep
 from graphnav.core.runner.recording.kept_messages import SmallOnly
 
+T = TypeVar("T")
 SIZES = ((80, 60), (160, 120), (320, 240), (640, 480), (1280, 720))
 COUNTS = (1, 3, 10, 30, 100, 300)
 MINUTES = (1, 2, 5, 10, 20, 30, 40, 50, 60)
 RATE_HZ = 10
+OBSTACLES = (10, 30, 100, 300, 1000)
+SIDES_M = (4.5, 9.0, 18.0, 36.0)
 PASSING = Path(__file__).with_name("passing_stages.py")
 GRAPHS = Path(__file__).resolve().parent.parent / "graphs" / "graphnav_graphs"
 _WARM_UP = 5
-_PIXEL_TICKS, _STAGE_TICKS = 30, 200
+_PIXEL_TICKS, _STAGE_TICKS, _DRIVE_TICKS = 30, 200, 100
 
 
 def seeing_graph(size: tuple[int, int], *, taught: bool) -> dict[str, Any]:
@@ -75,17 +79,31 @@ def message_us(scratch: Path, count: int, *, fans_out: bool = False) -> float:
     return each_us
 
 
-def lockstep_of(graph: dict[str, Any], scratch: Path, *, small: bool = False) -> tuple[Lockstep, LogWriter]:
-    """Return a run of a graph, reset, and its log."""
+def lockstep_of(
+    graph: dict[str, Any], scratch: Path, *, small: bool = False, spent_s: dict[str, float] | None = None
+) -> tuple[Lockstep, LogWriter]:
+    """Return a run of a graph, reset, and its log; the processor time of each stage's steps is added to ``spent_s``."""
     path = scratch / "graph.yaml"
     path.write_text(json.dumps(graph))
     catalog = Catalog()
     catalog.add_file(PASSING)
     loaded = load_graph(path, catalog)
     writer = LogWriter(scratch / "run.lcmlog")
-    lockstep = Lockstep(loaded, loaded.make_stages(), [SmallOnly(writer) if small else writer])
+    stages = loaded.make_stages()
+    if spent_s is not None:
+        for name, stage in stages.items():
+            timed = partial(_timed, spent_s, name, getattr(stage, "step"))  # noqa: B009 - a Stage has no step of its own
+            setattr(stage, "step", timed)  # noqa: B010 - as above
+    lockstep = Lockstep(loaded, stages, [SmallOnly(writer) if small else writer])
     lockstep.reset(1)
     return lockstep, writer
+
+
+def _timed(spent_s: dict[str, float], name: str, step: Callable[..., T], *args: Any, **kwargs: Any) -> T:
+    begin = time.process_time()
+    result = step(*args, **kwargs)
+    spent_s[name] = spent_s.get(name, 0.0) + time.process_time() - begin
+    return result
 
 
 def tick_s(lockstep: Lockstep, ticks: int) -> float:
@@ -96,6 +114,62 @@ def tick_s(lockstep: Lockstep, ticks: int) -> float:
         lockstep.tick()
         times.append(time.process_time() - begin)
     return statistics.median(times)
+
+
+def driving_graph(scratch: Path, count: int, side_m: float) -> dict[str, Any]:
+    """Return the graph `navigate`, as a robot runs it, among so many obstacles and with a local map of this side.
+
+    The obstacles stand on a square lattice, whose side grows with their number; the goal is behind all of them.
+    """
+    per_side, spacing_m = math.ceil(math.sqrt(count)), 1.2
+    places = [(spacing_m * (k % per_side), spacing_m * (k // per_side)) for k in range(count)]
+    beyond_m = spacing_m * per_side + 1.0
+    lattice = {
+        "obstacles": [{"circle": {"center_m": list(at_m), "radius_m": 0.15}, "height_m": 0.4} for at_m in places],
+        "start": {"at_m": [-spacing_m, -spacing_m / 2], "heading_deg": 0},
+        "goal": {"circle": {"center_m": [beyond_m, beyond_m], "radius_m": 0.5}},
+    }
+    path = scratch / "lattice.yaml"
+    path.write_text(json.dumps(lattice))
+    scores = {"drive": None, "sense": None, "sight": None}
+    here = {"robot": {"with": {"map": str(path)}}, "local": {"with": {"size_m": side_m}}}
+    return {"extends": ["navigate"], "stages": {**scores, **here}}
+
+
+def driving_ms(count: int, side_m: float) -> tuple[float, dict[str, float]]:
+    """Return the median processor time of a tick of such a drive, and the mean of each stage, ms."""
+    spent_s: dict[str, float] = {}
+    with tempfile.TemporaryDirectory() as scratch:
+        lockstep, writer = lockstep_of(driving_graph(Path(scratch), count, side_m), Path(scratch), spent_s=spent_s)
+        tick_s(lockstep, _WARM_UP)
+        spent_s.clear()
+        each_s = tick_s(lockstep, _DRIVE_TICKS)
+        lockstep.engine.close()
+        writer.close()
+    return 1e3 * each_s, {name: 1e3 * total_s / _DRIVE_TICKS for name, total_s in spent_s.items()}
+
+
+def obstacles() -> Iterator[str]:
+    """Yield the rows of the table of numbers of obstacles in the world."""
+    yield "| obstacles | ms a tick | robot, local, steer: ms |"
+    yield "|---|---|---|"
+    for count in OBSTACLES:
+        each_ms, stages_ms = driving_ms(count, SIDES_M[1])
+        shares = ", ".join(f"{stages_ms[name]:.2f}" for name in ("robot", "local", "steer"))
+        yield f"| {count} | {each_ms:.2f} | {shares} |"
+
+
+def extent() -> Iterator[str]:
+    """Yield the rows of the table of sides of the local map; the exponent is that of the growth with its cells."""
+    yield "| side of the local map, m | ms a tick | exponent | local, steer, recovery, control: ms |"
+    yield "|---|---|---|---|"
+    last: tuple[float, float] | None = None
+    for side_m in SIDES_M:
+        each_ms, stages_ms = driving_ms(OBSTACLES[2], side_m)
+        exponent = "" if last is None else f"{math.log(each_ms / last[1]) / (2 * math.log(side_m / last[0])):.2f}"
+        last = side_m, each_ms
+        shares = ", ".join(f"{stages_ms[name]:.2f}" for name in ("local", "steer", "recovery", "control"))
+        yield f"| {side_m:g} | {each_ms:.2f} | {exponent} | {shares} |"
 
 
 def pixels() -> Iterator[str]:
@@ -148,7 +222,7 @@ def length() -> Iterator[str]:
         writer.close()
 
 
-TABLES = {"pixels": pixels, "stages": stages, "length": length}
+TABLES = {"pixels": pixels, "stages": stages, "length": length, "obstacles": obstacles, "extent": extent}
 
 
 def main() -> None:

@@ -1,8 +1,11 @@
-"""Ticks per second of complete graphs with their logs, against version 0.1.0, the two taking turns on one core.
+"""Ticks per second of complete graphs with their logs, against former versions, the two taking turns on one core.
 
-``python tools/bench_ticks.py [ROUNDS]`` prints, for each graph as a robot runs it (without score stages) and with its
-scores, the median time of a tick in both versions and the ratio of 0.1.0's to today's with its interval. Beside it,
-what the guard costs, which came since, and the truth where it is made without a reader, as 0.1.0 did.
+``python tools/bench_ticks.py [ROUNDS]`` prints, for each graph of 0.1.0 as a robot runs it (without score stages) and
+with its scores, the median time of a tick in both versions and the ratio of 0.1.0's to today's with its interval.
+Beside it, what the guard costs, which came since, and the truth where it is made without a reader, as 0.1.0 did.
+
+Then the graph `navigate`, which 0.1.0 did not have, against 0.7.1: the median, and the time of the slowest of a hundred
+ticks. These are processor time, since one tick that another program delays is a slow one.
 """
 
 from __future__ import annotations
@@ -13,14 +16,15 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypedDict
 
 import cv2
+import numpy as np
 import yaml  # noqa: TID251 - a graph is copied without a stage; its places do not matter
 from graphnav_world.world import Pymunk
 from reference_version import ROOT, reference_python
@@ -32,16 +36,28 @@ from graphnav.core.machine.threads import ONE_THREAD
 TURN = 25
 """Ticks of a turn."""
 SEED = 1000
+NAVIGATE_REFERENCE = "0fffacb3"
+"""Version 0.7.1, the first reference of the graph `navigate`."""
+ROUNDS_OF_PART = 10
+"""Turns of which the slowest of a hundred ticks is told to say how much it varies."""
 VIDEO_SIZE = (320, 240)
 VIDEO_FRAMES = 200
 _GRAPHS = Path("graphs") / "graphnav_graphs"
 _WARM_UP_TURNS = 2
-_CLOCKS = ("wall_s", "cpu_s")
+_CLOCKS: tuple[Literal["wall_s", "cpu_s"], ...] = ("wall_s", "cpu_s")
+
+
+class Turn(TypedDict):
+    """Times in a turn, s: means of a tick, with its share of the writing of the log, and of each tick alone."""
+
+    wall_s: float
+    cpu_s: float
+    each_cpu_s: list[float]
 
 
 @dataclass(frozen=True)
 class Speed:
-    """A graph in 0.1.0 and today: medians of a tick's wall time in ms, and their ratio."""
+    """A graph in a former version and today: a tick's time in ms, and their ratio."""
 
     name: str
     old_ms: float
@@ -50,7 +66,7 @@ class Speed:
     limit: float | None
     """The minimum of the ratio, None where it is reported only."""
     cpu_ratio: float
-    """The ratio of the medians of processor time, which other programs on the machine hardly change."""
+    """The ratio of processor time, which other programs on the machine hardly change."""
 
     def __str__(self) -> str:
         limit = "" if self.limit is None else f"  at least {self.limit:g}"
@@ -68,7 +84,7 @@ def measure(rounds: int = 40) -> Iterator[Speed]:
         new = _copied(ROOT / _GRAPHS, Path(scratch) / "new")
         video = Path(scratch) / "drive.mp4"
         _film(video)
-        for graph, floor in (("corridor_ccw", 1.6), ("pillars", 1.6)):
+        for graph, floor in (("corridor_ccw", 1.7), ("pillars", 1.7)):
             bare = _without_scores(old / f"{graph}.yaml"), _without_scores(new / f"{graph}.yaml")
             yield _compared(f"{graph} as a robot runs it", python, *bare, rounds, 2.0)
             yield _compared(f"{graph} with scores", python, old / f"{graph}.yaml", new / f"{graph}.yaml", rounds, floor)
@@ -76,19 +92,53 @@ def measure(rounds: int = 40) -> Iterator[Speed]:
             yield _compared("  without scores, without the guard", python, bare[0], unguarded, rounds, None)
             yield _compared("  without scores, truth made", python, bare[0], _with_truth(bare[1]), rounds, None)
         films = [_filmed(folder / "video_plane.yaml", video) for folder in (old, new)]
-        yield _compared(f"video_plane, {VIDEO_SIZE[0]}x{VIDEO_SIZE[1]}", python, films[0], films[1], rounds, 2.0)
+        yield _compared(f"video_plane, {VIDEO_SIZE[0]}x{VIDEO_SIZE[1]}", python, films[0], films[1], rounds, 1.2)
+    yield from _navigate(rounds)
+
+
+def _navigate(rounds: int) -> Iterator[Speed]:
+    """Yield the median and the slowest of a hundred ticks of the graph `navigate`, against 0.7.1."""
+    python = reference_python(NAVIGATE_REFERENCE)
+    with tempfile.TemporaryDirectory() as scratch:
+        old = _copied(python.parents[2] / "source" / _GRAPHS, Path(scratch) / "old")
+        new = _copied(ROOT / _GRAPHS, Path(scratch) / "new")
+        found = _turns(python, old / "navigate.yaml", new / "navigate.yaml", rounds)
+    for name, percent, limit in (("median", 50, 2.0), ("slowest of 100", 99, 3.0)):
+        old_ms, new_ms = (1e3 * _percentile(found[version], percent) for version in ("old", "new"))
+        ratio = _ratio(found, percent)
+        yield Speed(f"navigate against 0.7.1, {name}", old_ms, new_ms, ratio, limit, ratio.median)
+
+
+def _ratio(found: Mapping[str, Sequence[Turn]], percent: float) -> Ratio:
+    """Return the ratio of a percentile of all ticks, with the least and the largest of parts of the measurement."""
+    parts = [
+        {name: turns[k : k + ROUNDS_OF_PART] for name, turns in found.items()}
+        for k in range(0, len(found["old"]), ROUNDS_OF_PART)
+    ]
+    ratios = [_percentile(one["old"], percent) / _percentile(one["new"], percent) for one in [found, *parts]]
+    return Ratio(ratios[0], min(ratios), max(ratios))
+
+
+def _percentile(turns: Sequence[Turn], percent: float) -> float:
+    """Return a percentile of the processor times of all ticks, s."""
+    return float(np.percentile([each_s for turn in turns for each_s in turn["each_cpu_s"]], percent))
 
 
 def _compared(name: str, python: Path, old: Path, new: Path, rounds: int, limit: float | None) -> Speed:
     """Let a graph of each version take turns."""
+    found = _turns(python, old, new, rounds)
+    wall, cpu = (Turns({name: [one[key] for one in turns] for name, turns in found.items()}) for key in _CLOCKS)
+    old_ms, new_ms = (1e3 * wall.median(name) for name in found)
+    return Speed(name, old_ms, new_ms, wall.ratio("old", "new"), limit, cpu.median("old") / cpu.median("new"))
+
+
+def _turns(python: Path, old: Path, new: Path, rounds: int) -> dict[str, list[Turn]]:
+    """Return the turns of each version, old and new."""
     with ExitStack() as stack:
         then = stack.enter_context(_ticker(str(python), old))
         now = stack.enter_context(_ticker(sys.executable, new))
         rivals = {"old": partial(_turn, then), "new": partial(_turn, now)}
-        found = results_in_turn(rivals, rounds, warm_up=_WARM_UP_TURNS)
-    wall, cpu = (Turns({name: [one[key] for one in turns] for name, turns in found.items()}) for key in _CLOCKS)
-    old_ms, new_ms = (1e3 * wall.median(name) for name in found)
-    return Speed(name, old_ms, new_ms, wall.ratio("old", "new"), limit, cpu.median("old") / cpu.median("new"))
+        return results_in_turn(rivals, rounds, warm_up=_WARM_UP_TURNS)
 
 
 @contextmanager
@@ -108,13 +158,13 @@ def _ticker(python: str, graph: Path) -> Iterator[subprocess.Popen[str]]:
     Path(f"{graph}.lcmlog").unlink()
 
 
-def _turn(process: subprocess.Popen[str]) -> dict[str, float]:
-    """Return the mean wall and processor time of a tick in a turn, s."""
+def _turn(process: subprocess.Popen[str]) -> Turn:
+    """Return the times of the ticks of a turn."""
     assert process.stdin is not None
     assert process.stdout is not None
     process.stdin.write(f"{TURN}\n")
     process.stdin.flush()
-    turn: dict[str, float] = json.loads(process.stdout.readline())
+    turn: Turn = json.loads(process.stdout.readline())
     return turn
 
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from graphnav import Goal, Latest, LocalMap, RecoveryState, Stage, Steering, param
-from graphnav.arrays import Bools, Doubles, Indices
+from graphnav.arrays import Bools, Doubles, Floats, Indices
 from graphnav_steer.giving_way import out_of_the_way_rad
 from graphnav_steer.headings import apart_rad, headed
-from graphnav_steer.local_paths import beside, cheapest_paths
+from graphnav_steer.local_paths import Floor, NearSearch, Window, beside, cell_below, connected
 
 Point = tuple[float, float]
 
@@ -21,6 +22,8 @@ _TRAIL_STEP_M = 0.1
 _FAR_M = 1e6
 """A goal that is farther away counts as this far: only its bearing matters."""
 _MIN_SQUEEZE_M = 1e-6
+_BACK_M = 1.0
+"""Frontiers farther from the trail than this are new; nearer ones cost in proportion."""
 _SAME_M = 0.3
 """Frontiers nearer to the last choice than this are the same choice."""
 
@@ -129,6 +132,7 @@ class Frontier(Stage):
         self._chosen: Point | None = None
         self._spin = 1.0
         self._takes_any_size = False
+        self._search = NearSearch()
 
     def step(
         self,
@@ -151,38 +155,42 @@ class Frontier(Stage):
             aside_rad = out_of_the_way_rad(map, self.robot_radius_m + self.margin_m, self.give_way_m)
             if aside_rad is not None:
                 return aside_rad
-        price = self._price(map)
-        way = self._way(map, goal, price)
+        way = self._way(map, goal)
         if way is None:
             self._chosen = None
             return self._spin * math.pi / 2
         self._chosen = way.end_m
-        theta_rad = self._toward(map, way.path, price)
+        theta_rad = self._toward(map, way.path)
         if theta_rad:
             self._spin = math.copysign(1.0, theta_rad)
         return min(max(theta_rad, -math.pi / 2), math.pi / 2)
 
-    def _way(self, map: LocalMap, goal: Goal | None, price: Doubles) -> Way | None:  # noqa: A002
+    def _way(self, map: LocalMap, goal: Goal | None) -> Way | None:  # noqa: A002
         """Return the cheapest way to a frontier, None if there is none."""
-        (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
-        open_cells = self._open(map, int(row), int(col))
-        known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[row, col])))
+        robot = cell_below(map)
+        open_cells = self._open(map, *robot)
+        known = open_cells & (map.unknown_m >= min(self.unknown_margin_m, float(map.unknown_m[robot])))
         beyond = open_cells & ~known
+        rims = np.stack(np.divmod(np.flatnonzero(beyond & beside(known)), known.shape[1]), axis=1)
         for min_m2 in (self.min_frontier_m2, 0.0)[: 1 + self._takes_any_size]:
-            frontier = _wide(beyond, min_m2 / map.cell_m**2) & beside(known)
-            paths = cheapest_paths((int(row), int(col)), np.where(known | frontier, price, math.inf), map.cell_m)
-            end = None if goal is None else self._at_goal(map, goal, np.isfinite(paths.cost_m))
+            frontier = rims[_wide(beyond, rims, min_m2 / map.cell_m**2)]
+            passable = known.copy()
+            passable[frontier[:, 0], frontier[:, 1]] = True
+            reached, window = connected(robot, passable)
+            end = None if goal is None else self._at_goal(map, goal, reached)
             if goal is not None and end is not None:
-                return Way(_goal_m(map, goal), paths.to(*end))
-            rows, cols = np.nonzero(frontier & np.isfinite(paths.cost_m))
-            if len(rows):
+                floor = Floor(reached, window, partial(self._prices, map, reached), map.cell_m)
+                _, path = self._search.cheapest(robot, floor, np.array([end]), np.zeros(1))
+                return Way(_goal_m(map, goal), path)
+            frontier = frontier[reached[frontier[:, 0], frontier[:, 1]]]
+            if len(frontier):
                 break
         else:
             return None
-        x_m, y_m = map.places_m(rows, cols)
-        cost_m = paths.cost_m[rows, cols] + self._cost_beyond_m(map, goal, x_m, y_m)
-        best = self._best(x_m, y_m, cost_m)
-        return Way((float(x_m[best]), float(y_m[best])), paths.to(int(rows[best]), int(cols[best])))
+        x_m, y_m = map.places_m(*frontier.T)
+        floor = Floor(reached, window, partial(self._prices, map, reached), map.cell_m)
+        best, path = self._search.cheapest(robot, floor, frontier, self._cost_beyond_m(map, goal, x_m, y_m))
+        return Way((float(x_m[best]), float(y_m[best])), path)
 
     def _open(self, map: LocalMap, row: int, col: int) -> Bools:  # noqa: A002
         """Return the cells where the robot touches nothing, and those by which it can leave what it touches now."""
@@ -192,9 +200,13 @@ class Frontier(Stage):
         open_cells[near] |= map.obstacle_m[near] >= map.obstacle_m[row, col]
         return open_cells
 
-    def _price(self, map: LocalMap) -> Doubles:  # noqa: A002
-        """Return the cost of a metre at each cell: 1, and more near obstacles."""
-        beyond_m = map.obstacle_m - self.robot_radius_m
+    def _prices(self, map: LocalMap, cells: Bools, part: Window) -> Doubles:  # noqa: A002
+        """Return the cost of a metre on the ``cells`` of a part of the map."""
+        return self._price(map.obstacle_m[part][cells[part]])
+
+    def _price(self, obstacle_m: Floats) -> Doubles:
+        """Return the cost of a metre so far from obstacles: 1, and more near them."""
+        beyond_m = obstacle_m - self.robot_radius_m
         near = np.clip(1.0 - beyond_m / self.comfort_m, 0.0, 1.0)
         touching = np.clip((-self.map_error_m - beyond_m) / max(self.squeeze_m, _MIN_SQUEEZE_M), 0.0, 1.0)
         return np.asarray(
@@ -202,11 +214,18 @@ class Frontier(Stage):
         )
 
     def _cost_beyond_m(self, map: LocalMap, goal: Goal | None, x_m: Doubles, y_m: Doubles) -> Doubles:  # noqa: A002
-        """Return the cost of what comes after points on the map: the way to the goal, or a return."""
+        """Return the cost of what comes after points on the map: the way to the goal, or a return.
+
+        Near the last choice it is `commit_m` less.
+        """
         if goal is None:
-            return self._cost_of_return_m(map, x_m, y_m)
-        goal_x_m, goal_y_m = _goal_m(map, goal)
-        return np.asarray(self.goal_weight * np.hypot(x_m - goal_x_m, y_m - goal_y_m))
+            cost_m = self._cost_of_return_m(map, x_m, y_m)
+        else:
+            goal_x_m, goal_y_m = _goal_m(map, goal)
+            cost_m = np.asarray(self.goal_weight * np.hypot(x_m - goal_x_m, y_m - goal_y_m))
+        if self._chosen is not None:
+            cost_m -= self.commit_m * (np.hypot(x_m - self._chosen[0], y_m - self._chosen[1]) < _SAME_M)
+        return cost_m
 
     @staticmethod
     def _at_goal(map: LocalMap, goal: Goal, reached: Bools) -> tuple[int, int] | None:  # noqa: A002
@@ -216,39 +235,43 @@ class Frontier(Stage):
         inside = 0 <= row < reached.shape[0] and 0 <= col < reached.shape[1]
         return (row, col) if inside and reached[row, col] else None
 
-    def _best(self, x_m: Doubles, y_m: Doubles, cost_m: Doubles) -> int:
-        """Return which point is cheapest; the last choice has `commit_m` less."""
-        if self._chosen is not None:
-            apart_m = np.hypot(x_m - self._chosen[0], y_m - self._chosen[1])
-            cost_m = cost_m - self.commit_m * (apart_m < _SAME_M)
-        return int(np.argmin(cost_m))
-
     def _cost_of_return_m(self, map: LocalMap, x_m: Doubles, y_m: Doubles) -> Doubles:  # noqa: A002
         turn_rad = apart_rad(np.arctan2(y_m - map.y_m, x_m - map.x_m), map.yaw_rad)
         cost_m = self.turn_cost_m * turn_rad / math.pi
-        trail = np.array(self._trail[:-4] or self._trail[:1])
-        apart_m = np.hypot(x_m[:, None] - trail[:, 0], y_m[:, None] - trail[:, 1]).min(axis=1)
-        return np.asarray(cost_m + self.back_cost_m * np.clip(1.0 - apart_m / 1.0, 0.0, 1.0))
+        trail_x_m, trail_y_m = np.array(self._trail[:-4] or self._trail[:1]).T
+        # Most of the trail is too far away from all of the points to cost anything.
+        near = (trail_x_m > x_m.min() - _BACK_M) & (trail_x_m < x_m.max() + _BACK_M)
+        near &= (trail_y_m > y_m.min() - _BACK_M) & (trail_y_m < y_m.max() + _BACK_M)
+        apart_m = np.hypot(x_m[:, None] - trail_x_m[near], y_m[:, None] - trail_y_m[near])
+        nearest_m = apart_m.min(axis=1, initial=_BACK_M)
+        return np.asarray(cost_m + self.back_cost_m * (1.0 - nearest_m / _BACK_M))
 
-    def _toward(self, map: LocalMap, path: Indices, price: Doubles) -> float:  # noqa: A002
+    def _toward(self, map: LocalMap, path: Indices) -> float:  # noqa: A002
         """Return the angle from forward to the farthest point of the path to which a straight way leads.
 
         A straight way keeps ``margin_m`` from obstacles beyond the radius, or as much as the path does up to there, and
         does not cost more than the path.
         """
-        x_m, y_m = map.places_m(path[:, 0], path[:, 1])
+        rows, cols = path.T
+        x_m, y_m = map.places_m(rows, cols)
         away_m = np.hypot(x_m - map.x_m, y_m - map.y_m)
-        along_m = np.hypot(np.diff(x_m, prepend=x_m[0]), np.diff(y_m, prepend=y_m[0]))
-        cost_m = np.cumsum(along_m * price[path[:, 0], path[:, 1]])
-        kept_m = np.minimum.accumulate(map.obstacle_m[path[:, 0], path[:, 1]])
-        kept_m = np.minimum(kept_m, self.robot_radius_m + self.margin_m)
         last = min(2, len(path) - 1)
-        for k in range(last, len(path)):
-            if away_m[k] > self.look_ahead_m:
-                break
-            share = np.linspace(0.0, 1.0, max(2, math.ceil(away_m[k] / map.cell_m * 2)))
-            cells = map.cells_of(map.x_m + share * (x_m[k] - map.x_m), map.y_m + share * (y_m[k] - map.y_m))
-            if map.obstacle_m[cells][1:].min() < kept_m[k] or away_m[k] * price[cells].mean() > cost_m[k]:
+        is_far = np.append(away_m[last:] > self.look_ahead_m, True)
+        end = last + int(np.argmax(is_far))
+        path_m = map.obstacle_m[rows[:end], cols[:end]]
+        along_m = np.hypot(x_m[1:end] - x_m[: max(end - 1, 0)], y_m[1:end] - y_m[: max(end - 1, 0)])
+        cost_m = np.append(0.0, np.cumsum(along_m * self._price(path_m[1:])))
+        kept_m = np.minimum(np.minimum.accumulate(path_m), self.robot_radius_m + self.margin_m)
+        ends, share = _shares(np.maximum(np.ceil(away_m[last:end] / map.cell_m * 2).astype(np.intp), 2))
+        counts = np.diff(ends)
+        cells = map.cells_of(
+            map.x_m + share * np.repeat(x_m[last:end] - map.x_m, counts),
+            map.y_m + share * np.repeat(y_m[last:end] - map.y_m, counts),
+        )
+        straight_m = map.obstacle_m[cells]
+        price = self._price(straight_m)
+        for k, first, after in zip(range(last, end), ends[:-1], ends[1:], strict=True):
+            if straight_m[first + 1 : after].min() < kept_m[k] or away_m[k] * price[first:after].mean() > cost_m[k]:
                 break
             last = k
         return math.remainder(math.atan2(y_m[last] - map.y_m, x_m[last] - map.x_m) - map.yaw_rad, 2 * math.pi)
@@ -260,9 +283,25 @@ def _goal_m(map: LocalMap, goal: Goal) -> Point:  # noqa: A002
     return map.x_m + distance_m * math.cos(bearing_rad), map.y_m + distance_m * math.sin(bearing_rad)
 
 
-def _wide(cells: Bools, min_cells: float) -> Bools:
-    """Return the ``cells`` (rows, cols) that are in connected regions of at least so many."""
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=4)
-    is_wide = stats[:, cv2.CC_STAT_AREA] >= min_cells
-    is_wide[0] = False
-    return np.asarray(is_wide[labels])
+def _shares(counts: Indices) -> tuple[Indices, Doubles]:
+    """Return shares from 0 to 1 of ways, so many (n,) of each, one way after another, and where each begins and ends.
+
+    The places where they begin and end are (n + 1,).
+    """
+    ends = np.concatenate(([0], np.cumsum(counts)))
+    share = (np.arange(ends[-1]) - np.repeat(ends[:-1], counts)) * np.repeat(1.0 / (counts - 1), counts)
+    share[ends[1:] - 1] = 1.0
+    return ends, share
+
+
+def _wide(cells: Bools, places: Indices, min_cells: float) -> Bools:
+    """Return which places (n, 2) are in connected regions of at least so many ``cells`` (rows, cols)."""
+    new, wide, small = 1, 2, 3
+    filled = cells.astype(np.uint8)
+    rows, cols = places.T
+    while (is_new := filled[rows, cols] == new).any():
+        row, col = places[np.argmax(is_new)].tolist()
+        area = cv2.floodFill(filled, None, (col, row), wide, flags=4)[0]
+        if area < min_cells:
+            cv2.floodFill(filled, None, (col, row), small, flags=4)
+    return np.asarray(filled[rows, cols] == wide)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from graphnav import LocalMap
+from graphnav_steer.local_paths import cell_below
 
 
 def out_of_the_way_rad(map: LocalMap, clear_m: float, reach_m: float) -> float | None:  # noqa: A002  # the port's name
@@ -32,6 +33,12 @@ def out_of_the_way_rad(map: LocalMap, clear_m: float, reach_m: float) -> float |
 
 
 def _is_in_the_way(map: LocalMap, clear_m: float) -> bool:  # noqa: A002  # the port's name
-    rows, cols = np.nonzero(map.state == LocalMap.MOVING)
-    x_m, y_m = map.places_m(rows, cols)
+    row, col = cell_below(map)
+    reach = math.ceil(clear_m / map.cell_m) + 1
+    top, left = max(row - reach, 0), max(col - reach, 0)
+    is_moving = map.state[top : row + reach + 1, left : col + reach + 1] == LocalMap.MOVING
+    if not is_moving.any():
+        return False
+    rows, cols = np.nonzero(is_moving)
+    x_m, y_m = map.places_m(rows + top, cols + left)
     return bool((np.hypot(x_m - map.x_m, y_m - map.y_m) < clear_m).any())

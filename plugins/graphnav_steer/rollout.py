@@ -10,7 +10,7 @@ import numpy as np
 
 from graphnav import Goal, Latest, LocalMap, Motion, Stage, Twist, param
 from graphnav.arrays import Doubles, Indices
-from graphnav_steer.local_paths import Paths, cheapest_paths
+from graphnav_steer.local_paths import Paths, cell_below, cheapest_paths
 from graphnav_steer.speed_window import measured_speeds, window
 
 _STEP_S = 0.05
@@ -170,18 +170,17 @@ class Rollout(Stage):
         radius_m = self._radius_m()
         # Distances on the map are to the rim of a cell, in which the obstacle is somewhere.
         away_m = np.asarray(map.obstacle_m + map.cell_m / 2, np.float64)
-        (row,), (col,) = map.cells_at(np.zeros(1), np.zeros(1))
+        row, col = cell_below(map)
         free = away_m >= radius_m
         reach = math.ceil(radius_m / map.cell_m)
         near = (slice(max(row - reach, 0), row + reach + 1), slice(max(col - reach, 0), col + reach + 1))
         free[near] |= away_m[near] >= away_m[row, col]
-        price = np.where(free, 1.0 + _NAVFN_COST * self._inflated(away_m), math.inf)
-        paths = cheapest_paths((int(row), int(col)), price, map.cell_m)
+        paths = cheapest_paths((row, col), free, 1.0 + _NAVFN_COST * self._inflated(away_m[free]), map.cell_m)
         end = _end(map, goal, paths)
         off_path = np.ones(free.shape, np.uint8)
         off_path[tuple(paths.to(*end).T)] = 0
         path_m = map.cell_m * cv2.distanceTransform(off_path, cv2.DIST_L2, cv2.DIST_MASK_PRECISE).astype(np.float64)
-        return _Costs(away_m, path_m, cheapest_paths(end, np.where(free, 1.0, math.inf), map.cell_m).cost_m)
+        return _Costs(away_m, path_m, cheapest_paths(end, free, np.ones(np.count_nonzero(free)), map.cell_m).cost_m)
 
     def _inflated(self, away_m: Doubles) -> Doubles:
         """Return what nearness costs at these distances of the centre from obstacles: 1 in touch, then less, then 0."""
@@ -216,7 +215,7 @@ class Rollout(Stage):
         """Return the cost of each trajectory, infinite where it touches or leads nowhere."""
         radius_m = self._radius_m()
         cells = map.cells_at(rolled.forward_m, rolled.left_m)
-        here_m = costs.away_m[map.cells_at(np.zeros(1), np.zeros(1))]
+        here_m = costs.away_m[cell_below(map)]
         away_m = costs.away_m[cells].min(axis=1)
         goal_m = costs.goal_m[cells]
         may_go = (away_m >= np.minimum(radius_m, here_m - _TOUCH_M)) & np.isfinite(goal_m).all(axis=1)
