@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from graphnav.arrays import Floats
-from graphnav.core.messages import Flow
+from graphnav.core.messages import Derived, Flow
 
-_coarser: WeakKeyDictionary[Flow, dict[int, Flow]] = WeakKeyDictionary()
-"""Flows that were coarsened, by step: several stages of a process coarsen the same received flow alike."""
+_coarser: Derived[Flow] = Derived()
+"""Flows that were coarsened, by vectors and step: several stages of a process coarsen the same received flow alike."""
 
 
 def coarsen(flow: Flow, step_px: int) -> Flow:
@@ -35,12 +34,15 @@ def coarsen(flow: Flow, step_px: int) -> Flow:
         return flow
     if flow.uv_px.flags.writeable or flow.valid.flags.writeable:
         return _coarsened(flow, factor)
-    by_step = _coarser.setdefault(flow, {})
-    if step_px not in by_step:
-        coarse = by_step[step_px] = _coarsened(flow, factor)
-        coarse.uv_px.setflags(write=False)
-        coarse.valid.setflags(write=False)
-    return by_step[step_px]
+    return _coarser.of(
+        (flow.uv_px, flow.valid), (flow.interval_us, step_px), lambda: _read_only(_coarsened(flow, factor))
+    )
+
+
+def _read_only(flow: Flow) -> Flow:
+    flow.uv_px.setflags(write=False)
+    flow.valid.setflags(write=False)
+    return flow
 
 
 def _coarsened(flow: Flow, factor: int) -> Flow:

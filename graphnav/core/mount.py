@@ -71,21 +71,16 @@ class Mount:
         x, y = rays[:, 0], rays[:, 1]
         inverse_depth = np.maximum(-(rays @ R)[:, 2], 0.0) / self.height_m
         forward, left, up = R @ [1.0, 0.0, 0.0], R @ [0.0, 1.0, 0.0], R @ [0.0, 0.0, 1.0]
-        still = np.zeros(3)
-        fields = []
-        for translation, rotation in (
-            (forward, still),
-            (self.forward_m * left, up),
-            (still, left),
-            (still, forward),
-            (left, still),
-        ):
-            tx, ty, tz = translation
-            wx, wy, wz = rotation
-            u = (x * tz - tx) * inverse_depth + x * y * wx - (1 + x * x) * wy + y * wz
-            v = (y * tz - ty) * inverse_depth + (1 + y * y) * wx - x * y * wy - x * wz
-            fields.append([u, v])
-        return np.array(fields)
+        xy, xx, yy = x * y, 1 + x * x, 1 + y * y
+        fields = np.empty((5, 2, len(rays)))
+        for place, (tx, ty, tz) in ((0, forward), (1, self.forward_m * left), (4, left)):
+            np.multiply(x * tz - tx, inverse_depth, out=fields[place, 0])
+            np.multiply(y * tz - ty, inverse_depth, out=fields[place, 1])
+        fields[2:4] = 0.0
+        for place, (wx, wy, wz) in ((1, up), (2, left), (3, forward)):
+            fields[place, 0] += xy * wx - xx * wy + y * wz
+            fields[place, 1] += yy * wx - xy * wy - x * wz
+        return fields
 
     def floor_fields_px(self, flow: Flow) -> Doubles:
         """Return the flow of the floor on the grid of ``flow``, (5, rows * cols, 2), pixels; see `floor_flow`.

@@ -11,6 +11,7 @@ from .changed_t import changed_t as changed_t
 from .components_t import components_t as components_t
 from .edge_status_t import edge_status_t as edge_status_t
 from .fired_t import fired_t as fired_t
+from .floor_map_t import floor_map_t as floor_map_t
 from .flow_deviation_t import flow_deviation_t as flow_deviation_t
 from .flow_t import flow_t as flow_t
 from .gap_t import gap_t as gap_t

@@ -8,6 +8,7 @@ from io import BytesIO
 import struct
 
 class local_map_t(object):
+    """ Maps of logs of graphnav before 0.20: floor_map_t with distances, which readers now derive from the state. """
 
     __slots__ = ["utime", "seq", "cell_m", "origin_x_m", "origin_y_m", "x_m", "y_m", "yaw_rad", "rows", "cols", "state", "obstacle_m", "unknown_m"]
 

@@ -45,6 +45,7 @@ class Egomotion(Stage):
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget the picture's size."""
         self._mount = Mount(self.camera_height_m, self.tilt_deg, self.fov_deg, self.camera_forward_m)
+        self._near: Bools = np.zeros((0, 0), np.bool_)
 
     def step(self, flow: Flow, plane: Plane) -> Motion | None:
         """Return the motion since the last frame.
@@ -60,8 +61,10 @@ class Egomotion(Stage):
                 f"the flow has {cells.valid.shape[1]}x{cells.valid.shape[0]} cells of {plane.step_px} px, but the "
                 f"plane {plane.valid.shape[1]}x{plane.valid.shape[0]}: wire the flow from which the plane is made"
             )
-        near = self._mount.floor_distance_m(*plane.valid.shape) < self.max_distance_m
-        counts = near & (cells.valid != 0) & (plane.valid != 0) & (plane.obstacle == 0)
+        if self._near.shape != plane.valid.shape:
+            self._near = self._mount.floor_distance_m(*plane.valid.shape) < self.max_distance_m
+            self._rays = self._mount.rays(*plane.valid.shape).reshape(-1, 3)
+        counts = self._near & (cells.valid != 0) & (plane.valid != 0) & (plane.obstacle == 0)
         counts &= (np.abs(cells.uv_px) <= plane.step_px * max(counts.shape)).all(axis=-1)
         if np.count_nonzero(counts) < MIN_VECTORS:
             return None
@@ -78,18 +81,18 @@ class Egomotion(Stage):
         """Return forward displacement, turn, pitch and roll by the cells that count, metres and radians."""
         rows, cols = counts.shape
         focal_px = self._mount.intrinsics(rows, cols)[0, 0]
-        uv = cells.uv_px[counts].astype(np.float64) / (cells.step_px * focal_px)
-        rays = self._mount.rays(rows, cols)[counts]
+        counted = np.flatnonzero(counts)
+        uv = cells.uv_px.reshape(-1, 2).take(counted, axis=0).astype(np.float64) / (cells.step_px * focal_px)
+        rays = self._rays.take(counted, axis=0)
         rays[:, :2] -= uv / 2
         columns = self._mount.floor_flow(rays)[: 4 if self.shakes else 2]
         equations = columns.reshape(len(columns), -1).T
         measured = uv.T.reshape(-1)
         noise = self.noise_px / (cells.step_px * focal_px)
-        weight = np.ones(len(uv))
+        weight, ridge = np.ones(len(uv)), _RIDGE * np.eye(len(columns))
         for _ in range(_ITERATIONS):
-            both = np.concatenate([weight, weight])
-            normal = (equations.T * both) @ equations + _RIDGE * np.eye(len(columns))
-            moved = np.linalg.solve(normal, (equations.T * both) @ measured)
-            left = (measured - equations @ moved).reshape(2, -1)
-            weight = 1.0 / (1.0 + (left**2).sum(axis=0) / noise**2) ** 2
+            weighted = equations.T * np.concatenate([weight, weight])
+            moved = np.linalg.solve(weighted @ equations + ridge, weighted @ measured)
+            left = np.square(measured - equations @ moved).reshape(2, -1)
+            weight = 1.0 / np.square(1.0 + (left[0] + left[1]) / noise**2)
         return np.asarray(moved)

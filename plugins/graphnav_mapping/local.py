@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Literal
+from typing import Literal, TypeVar
 
 import cv2
 import numpy as np
@@ -23,10 +23,11 @@ from graphnav import (
     Stamp,
     param,
 )
-from graphnav.arrays import Bools, Bytes, Doubles, Floats
+from graphnav.arrays import Bools, Bytes, Doubles, Floats, Indices
 from graphnav_mapping.movers import Look, Mover, Movers, swept
-from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, RollingGrid, without_jump
+from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, Box, RollingGrid, without_jump
 
+Picture = TypeVar("Picture", Bytes, Floats)
 _OBSTACLE_EVIDENCE = 1.0
 _PRESUMED_FREE = -0.2
 _FORGOTTEN = 0.5
@@ -35,6 +36,9 @@ _NO_RECOVERY: Latest[RecoveryState] = Latest()
 _BESIDE = np.ones((3, 3), np.uint8)
 _LOOK_BACK_S = 0.8
 """How long ago the floor was seen that tells what moves."""
+_RIMS = np.array([-0.6, 0.6])
+"""Where a pixel ends, from its middle: a little farther than half a pixel, which the warp rounds."""
+_FARTHEST = 100.0
 _MAX_REACH = 100
 """Farthest shift, in cells, that is tried for what moves: the time grows with its square."""
 
@@ -137,6 +141,8 @@ class Local(Stage):
         self._continuity = Continuity()
         self._recoveries = 0
         self._near: Bools | None = None
+        gains = np.array([[0.0, -self.miss, self.hit], [0.0, -1.0, 1.0]], np.float32)
+        self._gains = gains[0], gains[1]
         self._start()
 
     def step(
@@ -158,22 +164,28 @@ class Local(Stage):
         motion, grid = usable, self._grid
         grid.move(motion)
         self._forget(recovery.value)
-        floor_to_pixels = self._mount.floor_to_pixels(*plane.valid.shape)
-        seen = grid.seen(self._labels(plane), floor_to_pixels)
+        labels = self._labels(plane)
+        box = grid.box_of(self._in_view_m)
+        shown_by = grid.shown_by(labels.shape, self._mount.floor_to_pixels(*labels.shape), box)
         moved_m = math.hypot(motion.forward_m, motion.left_m)
         self._driven_m += moved_m
-        weight = np.float32(min(1.0, moved_m / self.full_motion_m))
-        self._add(seen, weight if deviation is None else weight * self._sureness(plane, deviation, floor_to_pixels))
-        movers = self._movers.find(Look(stamp, seen, grid.corner), self.min_mover_mps) if self.ahead_s else []
-        self._forget_where_they_were(movers, seen)
+        weight: Floats | np.float32 = np.float32(min(1.0, moved_m / self.full_motion_m))
+        if deviation is not None:
+            weight = weight * np.square(deviation.sureness_at(labels.shape, plane.step_px, self.sure_px))
+        seen = _taken(labels, shown_by)
+        self._add(box, seen, *(_taken(gains[labels] * weight, shown_by) for gains in self._gains))
+        place = grid.box.moved(grid.corner[1], grid.corner[0])
+        look = Look(stamp, seen, box.moved(place.top, place.left), place)
+        movers = self._movers.find(look, self.min_mover_mps) if self.ahead_s else []
+        self._forget_where_they_were(movers, look, box)
         grid.stand(self.robot_radius_m, -self.max_free_evidence)
-        return self._map(swept(seen.shape, movers, self.ahead_s))
+        return self._map(swept(place, movers, self.ahead_s) if movers else None)
 
-    def _forget_where_they_were(self, movers: list[Mover], seen: Bytes) -> None:
+    def _forget_where_they_were(self, movers: list[Mover], look: Look, box: Box) -> None:
         """Believe at once that the floor behind what moves is free."""
         if movers:
-            behind = cv2.dilate(swept(seen.shape, movers, -1.0), _BESIDE)
-            self._grid.evidence[(behind != 0) & (seen == GROUND)] = _PRESUMED_FREE
+            behind = cv2.dilate(swept(look.box.grown(1), movers, -1.0), _BESIDE)[1:-1, 1:-1]
+            self._grid.evidence[box.cells][(behind != 0) & (look.labels == GROUND)] = _PRESUMED_FREE
 
     def _forget(self, recovery: RecoveryState | None) -> None:
         """Forget obstacles that few frames have shown, when a recovery begins."""
@@ -194,6 +206,7 @@ class Local(Stage):
         shape = plane.valid.shape
         if self._near is None or self._near.shape != shape:
             self._near = self._mount.floor_distance_m(*shape) <= self.max_distance_m
+            self._in_view_m = self._mount.hull_m(self._near)
         obstacle = plane.obstacle
         if self.unjudged == "obstacle":
             obstacle = obstacle | plane.unknown(self.rim_ratio)
@@ -210,40 +223,71 @@ class Local(Stage):
             grown = np.maximum(grown, self._mount.outward(obstacle, height_m))
         return grown & ~self._mount.inward(obstacle, 0.0, self.foot_m)
 
-    def _sureness(self, plane: Plane, deviation: FlowDeviation, floor_to_pixels: Doubles) -> Floats:
-        """Return how much the judgement of every cell of the grid counts, float32 (rows, cols), 0 to 1."""
-        sureness = deviation.sureness_at(plane.valid.shape, plane.step_px, self.sure_px)
-        return self._grid.seen(np.square(sureness), floor_to_pixels)
-
-    def _add(self, seen: Bytes, weight: Floats | np.float32) -> None:
-        evidence, shown = self._grid.evidence, self._grid.shown
-        evidence += np.array([0.0, -self.miss, self.hit], np.float32)[seen] * weight
-        shown += np.array([0.0, -1.0, 1.0], np.float32)[seen] * weight
-        np.maximum(shown, 0.0, out=shown)
+    def _add(self, box: Box, seen: Bytes, evidence: Floats, shown: Floats) -> None:
+        """Add what the cells of a box gain in this frame."""
+        evidence += self._grid.evidence[box.cells]
         np.clip(evidence, -self.max_free_evidence, self.max_evidence, evidence)
         if self._driven_m < self.presumed_m:
             evidence[(seen == GROUND) & (np.abs(evidence) < -_PRESUMED_FREE)] = _PRESUMED_FREE
+        self._grid.evidence[box.cells] = evidence
+        shown += self._grid.shown[box.cells]
+        np.maximum(shown, 0.0, out=self._grid.shown[box.cells])
 
-    def _map(self, ahead: Bytes) -> LocalMap:
+    def _map(self, ahead: Bytes | None) -> LocalMap:
         grid = self._grid
-        state = (grid.evidence <= _PRESUMED_FREE).astype(np.uint8)
-        state[grid.evidence >= _OBSTACLE_EVIDENCE] = LocalMap.OBSTACLE
-        small = small_regions(state == LocalMap.UNKNOWN, self.min_unknown_m2 / grid.cell_m**2)
-        state[small & ~grid.forgotten] = LocalMap.FREE
-        state[ahead != 0] = LocalMap.MOVING
+        state = (grid.evidence <= _PRESUMED_FREE).view(np.uint8)
+        state += LocalMap.OBSTACLE * (grid.evidence >= _OBSTACLE_EVIDENCE).view(np.uint8)
+        left, top, cols, rows = cv2.boundingRect(state)
+        known = Box(top, left, top + rows, left + cols).grown(1).within(grid.box)
+        small = small_regions(
+            state[known.cells] == LocalMap.UNKNOWN, self.min_unknown_m2 / grid.cell_m**2, known, grid.box
+        )
+        if small is not None:
+            state[known.cells][small & ~grid.forgotten[known.cells]] = LocalMap.FREE
+        if ahead is not None:
+            state[ahead != 0] = LocalMap.MOVING
         return grid.to_map(state)
 
 
-def small_regions(cells: Bools, min_cells: float) -> Bools:
-    """Return the ``cells`` (rows, cols) that are in connected regions of fewer than so many."""
+def small_regions(cells: Bools, min_cells: float, box: Box, grid: Box) -> Bools | None:
+    """Return those ``cells`` (rows, cols) of a box that are in connected regions of fewer than so many, None for none.
+
+    A region at a side of the box beyond which the grid goes on is not small: it goes on, too.
+    """
     _, labels, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=4)
     is_small = stats[:, cv2.CC_STAT_AREA] < min_cells
     is_small[0] = False
-    return np.asarray(is_small[labels])
+    sides = (labels[0], labels[:, 0], labels[-1], labels[:, -1])
+    for side, at, end in zip(sides, box, grid, strict=True):
+        if at != end:
+            is_small[side] = False
+    return np.asarray(is_small[labels]) if is_small.any() else None
+
+
+def _taken(values: Picture, shown_by: Indices) -> Picture:
+    """Return the values (rows, cols) of a picture's cells at the cells of the grid that they show, else 0."""
+    padded = np.zeros(values.size + 1, values.dtype)
+    padded[1:] = values.reshape(-1)
+    return padded.take(shown_by)
 
 
 class MaskMount(Mount):
     """A mounting that moves masks of pixels towards the camera's foot and away from it."""
+
+    def hull_m(self, mask: Bools) -> Doubles:
+        """Return points (n, 2) of the floor in the robot's frame whose convex hull holds what the pixels of a mask see.
+
+        ``mask``: (rows, cols). A pixel whose rim reaches the horizon sees as far as 100 times the camera's height.
+        """
+        rows, cols = np.nonzero(mask)
+        x, y = (np.add.outer(at, _RIMS).ravel() for at in (cols, rows))
+        x, y = (at.reshape(len(rows), 2) for at in (x, y))
+        corners = np.stack([*np.broadcast_arrays(x[:, :, None], y[:, None, :], 1.0)], axis=-1).reshape(-1, 3)
+        rays = corners @ np.linalg.inv(self.intrinsics(*mask.shape)).T @ self.R_CR
+        down = np.maximum(-rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]) / _FARTHEST)
+        points_m = self.height_m * rays[:, :2] / np.maximum(down, 1e-9)[:, None] + (self.forward_m, 0.0)
+        hull: Doubles = cv2.convexHull(points_m.astype(np.float32)).reshape(-1, 2).astype(np.float64)
+        return hull
 
     def outward(self, mask: Bytes, height_m: float) -> Bytes:
         """Return a mask (rows, cols) of things on the floor with what is below them, down by a height.

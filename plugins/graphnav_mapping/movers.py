@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from functools import lru_cache
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from graphnav.arrays import Bools, Bytes, Doubles, Indices
-from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, shifted
+from graphnav_mapping.rolling_grid import GROUND, OBSTACLE, Box
 
 _MIN_CELLS = 6
 _MIN_NEW_RATIO = 0.05
@@ -28,11 +29,27 @@ _NEAR = np.ones((3, 3), np.uint8)
 
 
 class Look(NamedTuple):
-    """Labels of the grid's cells at a time, and the grid's corner in cells, (columns, rows) from its first corner."""
+    """Labels (rows, cols) of the cells in a box of the grid at a time; all else was not seen.
+
+    Boxes and cells of looks and movers count from the first corner that the grid had. ``grid``: all of its cells.
+    """
 
     utime: int
     labels: Bytes
-    corner: tuple[int, int]
+    box: Box
+    grid: Box
+
+    def cut(self, box: Box) -> Bytes:
+        """Return the labels in another box, 0 where nothing was seen."""
+        found = np.zeros(box.shape, np.uint8)
+        both = self.box.within(box)
+        found[both.moved(-box.top, -box.left).cells] = self.labels[both.moved(-self.box.top, -self.box.left).cells]
+        return found
+
+    def shows(self, rows: Indices, cols: Indices) -> bool:
+        """Whether any of these cells was judged."""
+        inside = _inside(rows, cols, self.box)
+        return bool(self.labels[rows[inside] - self.box.top, cols[inside] - self.box.left].any())
 
 
 class Mover(NamedTuple):
@@ -53,20 +70,18 @@ class Mover(NamedTuple):
 
 
 class Track(NamedTuple):
-    """A mover as it was at a time, on the grid with this corner; ``since``: when it was seen first."""
+    """A mover as it was at a time; ``since``: when it was seen first."""
 
     utime: int
     mover: Mover
-    corner: tuple[int, int]
     since: int
 
     def now(self, look: Look) -> Mover:
         """Return the mover where it is expected at a look."""
         elapsed_s = (look.utime - self.utime) * 1e-6
-        down = elapsed_s * self.mover.rows_per_s + self.corner[1] - look.corner[1]
-        right = elapsed_s * self.mover.cols_per_s + self.corner[0] - look.corner[0]
-        rows, cols = self.mover.rows + round(down), self.mover.cols + round(right)
-        inside = (rows >= 0) & (cols >= 0) & (rows < look.labels.shape[0]) & (cols < look.labels.shape[1])
+        rows = self.mover.rows + round(elapsed_s * self.mover.rows_per_s)
+        cols = self.mover.cols + round(elapsed_s * self.mover.cols_per_s)
+        inside = _inside(rows, cols, look.grid)
         return self.mover._replace(rows=rows[inside], cols=cols[inside])
 
 
@@ -99,16 +114,13 @@ class Movers:
         self._found = []
         for mover in self._seen(look, min_speed_mps):
             begun = [since for before, since in expected if mover.continues(before, self._cell_m)]
-            self._found.append(Track(look.utime, mover, look.corner, min(begun, default=look.utime)))
+            self._found.append(Track(look.utime, mover, min(begun, default=look.utime)))
         tracks = [track for track in self._found if look.utime - track.since >= _SURE_US]
         seen = [track.mover for track in tracks]
         for track in self._tracks:
             mover = track.now(look)
-            if (
-                look.utime - track.utime <= _KEPT_US
-                and len(mover.rows)
-                and not look.labels[mover.rows, mover.cols].any()
-            ):
+            is_recent = look.utime - track.utime <= _KEPT_US
+            if is_recent and len(mover.rows) and not look.shows(mover.rows, mover.cols):
                 seen.append(mover)
                 tracks.append(track)
         self._tracks = tracks
@@ -122,53 +134,66 @@ class Movers:
         elapsed_s = (look.utime - before.utime) * 1e-6
         if look.utime - before.utime < self._interval_us / 2:
             return []
-        was = shifted(before.labels, look.corner[0] - before.corner[0], look.corner[1] - before.corner[1])
-        was_obstacle = (was == OBSTACLE).view(np.uint8)
-        there = cv2.dilate(was_obstacle, _NEAR) != 0
-        is_new = (was == GROUND) & ~there
-        _, regions = cv2.connectedComponents((look.labels == OBSTACLE).view(np.uint8), connectivity=8)
+        is_obstacle, was = look.labels == OBSTACLE, before.cut(look.box)
+        is_new = is_obstacle & (was == GROUND)
+        if not is_new.any():
+            return []
+        reach = round(self._reach_m * elapsed_s / self._cell_m)
+        around = look.box.grown(reach + 1)
+        there = cv2.dilate((before.cut(around) == OBSTACLE).view(np.uint8), _NEAR)
+        inner = look.box.moved(-around.top, -around.left)
+        is_new &= there[inner.cells] == 0
+        _, regions, stats, _ = cv2.connectedComponentsWithStats(is_obstacle.view(np.uint8), connectivity=8)
         movers = []
-        for region in np.unique(regions[is_new & (regions != 0)]):
-            rows, cols = np.nonzero(regions == region)
-            if len(rows) < _MIN_CELLS or is_new[rows, cols].mean() < _MIN_NEW_RATIO:
+        for region in np.unique(regions[is_new]).tolist():
+            left, top, width, height, count = stats[region].tolist()
+            box = Box(top, left, top + height, left + width)
+            cells = regions[box.cells] == region
+            if count < _MIN_CELLS or np.count_nonzero(is_new[box.cells] & cells) < _MIN_NEW_RATIO * count:
                 continue
-            shift = self._shift(rows, cols, there, elapsed_s)
-            if np.hypot(*shift) * self._cell_m >= min_speed_mps * elapsed_s:
-                movers.append(Mover(rows, cols, shift[0] / elapsed_s, shift[1] / elapsed_s))
+            down, right = self._shift(cells, there[box.moved(inner.top, inner.left).grown(reach).cells], reach)
+            if math.hypot(down, right) * self._cell_m >= min_speed_mps * elapsed_s:
+                rows, cols = np.nonzero(cells)
+                rows, cols = rows + (look.box.top + top), cols + (look.box.left + left)
+                movers.append(Mover(rows, cols, down / elapsed_s, right / elapsed_s))
         return movers
 
-    def _shift(self, rows: Indices, cols: Indices, there: Bools, elapsed_s: float) -> tuple[int, int]:
-        """Return by how many rows and columns the cells have moved from where an obstacle was, 0 if unknown."""
-        reach = round(self._reach_m * elapsed_s / self._cell_m)
-        shifts = np.arange(-reach, reach + 1)
-        overlap = n_shared(rows, cols, there, reach) / len(rows) - 0.02 * np.hypot(shifts[:, None], shifts)
-        down, right = divmod(int(overlap.argmax()), len(shifts))
-        if overlap[down, right] <= there[rows, cols].mean() + _MIN_GAIN_RATIO:
+    def _shift(self, cells: Bools, there: Bytes, reach: int) -> tuple[int, int]:
+        """Return by how many rows and columns the cells have moved from where an obstacle was, 0 if unknown.
+
+        ``there``: uint8, 1 where an obstacle was, up to ``reach`` cells around the box of the ``cells``.
+        """
+        # By rows and columns, from a shift back by ``reach`` on.
+        overlap = np.rint(cv2.matchTemplate(there, cells.view(np.uint8), cv2.TM_CCORR))[::-1, ::-1].astype(np.float64)
+        overlap /= np.count_nonzero(cells)
+        still = overlap[reach, reach]
+        overlap -= _shift_costs(reach)
+        down, right = divmod(int(overlap.argmax()), len(overlap))
+        if overlap[down, right] <= still + _MIN_GAIN_RATIO:
             return 0, 0
         return down - reach, right - reach
 
 
-def n_shared(rows: Indices, cols: Indices, there: Bools, reach: int) -> Doubles:
-    """Return how many of the cells are ``there`` (rows, cols) if they are moved back by up to ``reach`` cells.
-
-    (2 reach + 1, 2 reach + 1), by rows and columns: by -reach first.
-    """
-    top, left = rows.min(), cols.min()
-    cells = np.zeros((rows.max() - top + 1, cols.max() - left + 1), np.uint8)
-    cells[rows - top, cols - left] = 1
-    around = np.pad(there.view(np.uint8), reach)[top:, left:][: len(cells) + 2 * reach, : cells.shape[1] + 2 * reach]
-    counts = np.rint(cv2.matchTemplate(around, cells, cv2.TM_CCORR))
-    return np.asarray(counts[::-1, ::-1], np.float64)
+@lru_cache(maxsize=16)
+def _shift_costs(reach: int) -> Doubles:
+    shifts = np.arange(-reach, reach + 1)
+    costs: Doubles = 0.02 * np.hypot(shifts[:, None], shifts)
+    return costs
 
 
-def swept(shape: tuple[int, int], movers: list[Mover], ahead_s: float) -> Bytes:
-    """Return the cells (rows, cols) that the movers reach within a time, uint8 0 or 1."""
-    found = np.zeros(shape, np.uint8)
+def _inside(rows: Indices, cols: Indices, box: Box) -> Bools:
+    """Return which of the cells are in a box."""
+    return np.asarray((rows >= box.top) & (rows < box.bottom) & (cols >= box.left) & (cols < box.right))
+
+
+def swept(grid: Box, movers: list[Mover], ahead_s: float) -> Bytes:
+    """Return the cells (rows, cols) of a box that the movers reach within a time, uint8 0 or 1."""
+    found = np.zeros(grid.shape, np.uint8)
     for mover in movers:
         steps = max(1, round(ahead_s * max(abs(mover.rows_per_s), abs(mover.cols_per_s))))
-        for share in np.linspace(0.0, 1.0, steps + 1):
-            row = np.rint(mover.rows + share * ahead_s * mover.rows_per_s).astype(np.intp)
-            col = np.rint(mover.cols + share * ahead_s * mover.cols_per_s).astype(np.intp)
-            inside = (row >= 0) & (col >= 0) & (row < shape[0]) & (col < shape[1])
-            found[row[inside], col[inside]] = 1
+        shares = np.linspace(0.0, 1.0, steps + 1) * ahead_s
+        row = np.rint(np.add.outer(mover.rows - grid.top, shares * mover.rows_per_s)).astype(np.intp)
+        col = np.rint(np.add.outer(mover.cols - grid.left, shares * mover.cols_per_s)).astype(np.intp)
+        inside = _inside(row, col, Box(0, 0, *grid.shape))
+        found[row[inside], col[inside]] = 1
     return found

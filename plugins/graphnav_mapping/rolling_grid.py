@@ -4,19 +4,52 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TypeVar
+from functools import lru_cache
+from typing import NamedTuple, TypeVar
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from graphnav import LocalMap, Motion, ParamError
-from graphnav.arrays import Bools, Bytes, Doubles, Floats
+from graphnav.arrays import Bools, Bytes, Doubles, Floats, Indices
 
-Picture = TypeVar("Picture", Bytes, Floats)
-Layer = TypeVar("Layer", Floats, Bools, Bytes)
+Layer = TypeVar("Layer", Floats, Bools)
 GROUND, OBSTACLE = 1, 2
 """Labels of a picture's cells; 0 is not judged."""
 _MIN_CELLS, _MAX_CELLS = 8, 2000
+
+
+class Box(NamedTuple):
+    """A rectangle of cells: from its first row and column up to those after its last."""
+
+    top: int
+    left: int
+    bottom: int
+    right: int
+
+    @property
+    def cells(self) -> tuple[slice, slice]:
+        """The index of its cells."""
+        return slice(self.top, self.bottom), slice(self.left, self.right)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """How many rows and columns it has."""
+        return self.bottom - self.top, self.right - self.left
+
+    def grown(self, by: int) -> Box:
+        """Return it with so many more rows and columns on each side."""
+        return Box(self.top - by, self.left - by, self.bottom + by, self.right + by)
+
+    def within(self, other: Box) -> Box:
+        """Return the part that is in another one, of no cells where they do not overlap."""
+        top, left = max(self.top, other.top), max(self.left, other.left)
+        return Box(top, left, max(top, min(self.bottom, other.bottom)), max(left, min(self.right, other.right)))
+
+    def moved(self, down: int, right: int) -> Box:
+        """Return it moved by cells."""
+        return Box(self.top + down, self.left + right, self.bottom + down, self.right + right)
 
 
 class RollingGrid:
@@ -75,15 +108,19 @@ class RollingGrid:
         matrix: Doubles = turned @ placed
         return matrix
 
-    def cell(self) -> tuple[int, int]:
-        """Return the column and row of the cell below the robot's centre."""
-        return round((self.x_m - self.origin_x_m) / self.cell_m), round((self.y_m - self.origin_y_m) / self.cell_m)
+    @property
+    def box(self) -> Box:
+        """All of its cells."""
+        return Box(0, 0, *self.evidence.shape)
 
     def stand(self, radius_m: float, evidence: float) -> None:
         """Give the floor below the robot, a disc, the evidence of free floor."""
-        below = np.zeros(self.evidence.shape, np.uint8)
-        cv2.circle(below, self.cell(), math.ceil(radius_m / self.cell_m), 1, cv2.FILLED)
-        self.evidence[below != 0] = evidence
+        disc = _disc(math.ceil(radius_m / self.cell_m))
+        radius = len(disc) // 2
+        row, col = round((self.y_m - self.origin_y_m) / self.cell_m), round((self.x_m - self.origin_x_m) / self.cell_m)
+        around = Box(row, col, row + 1, col + 1).grown(radius)
+        inside = around.within(self.box)
+        self.evidence[inside.cells][disc[inside.moved(-around.top, -around.left).cells]] = evidence
 
     def to_map(self, state: Bytes) -> LocalMap:
         """Return the map with the state of every cell, (rows, cols)."""
@@ -95,25 +132,37 @@ class RollingGrid:
             y_m=self.y_m,
             yaw_rad=self.yaw_rad,
             state=state,
-            obstacle_m=distance_m(state >= LocalMap.OBSTACLE, self.cell_m),
-            unknown_m=distance_m(state == LocalMap.UNKNOWN, self.cell_m),
         )
 
-    def seen(self, labels: Picture, floor_to_cells: Doubles) -> Picture:
-        """Return the label of every cell of the grid, 0 where the picture does not show it.
+    def box_of(self, points_m: Doubles) -> Box:
+        """Return the box of all points (n, 2) of the floor in the robot's frame, a cell wider on each side."""
+        c, s = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        turned = points_m @ np.array([[c, s], [-s, c]]) + (self.x_m - self.origin_x_m, self.y_m - self.origin_y_m)
+        (left, top), (right, bottom) = (
+            np.floor(turned.min(axis=0) / self.cell_m),
+            np.ceil(turned.max(axis=0) / self.cell_m),
+        )
+        return Box(int(top) - 1, int(left) - 1, int(bottom) + 2, int(right) + 2).within(self.box)
 
-        ``labels``: uint8 or float32 (rows, cols) of a picture's cells; ``floor_to_cells``: homography from floor points
-        in the robot's frame to these.
+    def shown_by(self, shape: tuple[int, int], floor_to_cells: Doubles, box: Box) -> Indices:
+        """Return which cell of a picture shows each cell of a box, 0 where none does, else its number from 1 on.
+
+        ``shape``: rows and columns of the picture's cells, which count along the rows; ``floor_to_cells``: homography
+        from floor points in the robot's frame to these.
         """
-        found: Picture = cv2.warpPerspective(
-            labels,
-            floor_to_cells @ self.to_robot(),
-            self.evidence.shape[::-1],
+        to_grid = np.array([[1.0, 0.0, box.left], [0.0, 1.0, box.top], [0.0, 0.0, 1.0]])
+        rows, cols = box.shape
+        if not rows or not cols:
+            return np.zeros((rows, cols), np.intp)
+        found = cv2.warpPerspective(
+            _numbers(*shape),
+            floor_to_cells @ self.to_robot() @ to_grid,
+            (cols, rows),
             flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_CONSTANT,
             borderValue=0,
         )
-        return found
+        return np.asarray(found, np.intp)
 
     def _shift(self, right: int, down: int) -> None:
         """Move the grid by cells, so that the robot is in its middle again."""
@@ -136,6 +185,18 @@ def shifted(values: Layer, right: int, down: int) -> Layer:
     return moved
 
 
+@lru_cache(maxsize=16)
+def _numbers(rows: int, cols: int) -> npt.NDArray[np.int32]:
+    return np.arange(1, rows * cols + 1, dtype=np.int32).reshape(rows, cols)
+
+
+@lru_cache(maxsize=16)
+def _disc(radius: int) -> Bools:
+    disc = np.zeros((2 * radius + 1, 2 * radius + 1), np.uint8)
+    cv2.circle(disc, (radius, radius), radius, 1, cv2.FILLED)
+    return disc.view(np.bool_)
+
+
 def without_jump(motion: Motion, size_m: float) -> Motion:
     """Return the motion on a map of this side; none if it is longer than half of the map.
 
@@ -143,16 +204,6 @@ def without_jump(motion: Motion, size_m: float) -> Motion:
     """
     is_jump = math.hypot(motion.forward_m, motion.left_m) > size_m / 2
     return replace(motion, forward_m=0.0, left_m=0.0, turn_rad=0.0) if is_jump else motion
-
-
-def distance_m(there: Bools, cell_m: float) -> Floats:
-    """Return the distance from the middle of every cell to the rim of the nearest one ``there``, or across the grid."""
-    farthest = np.float32(cell_m * math.hypot(*there.shape))
-    cells = cv2.distanceTransform((~there).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    # OpenCV's last bit depends on where memory lies. The square of a distance between cells is an integer.
-    apart = np.sqrt(np.rint(np.minimum(cells, np.float32(math.hypot(*there.shape))) ** 2))
-    rim_m: Floats = np.clip((apart - np.float32(0.5)) * np.float32(cell_m), np.float32(0.0), farthest)
-    return rim_m
 
 
 def _cells(size_m: float, cell_m: float) -> int:

@@ -22,6 +22,8 @@ _METHODS = {
     "lmeds": cv2.LMEDS,
 }
 _CONFIDENCE_RATIO = 0.99
+_MAX_DRAWN_FROM = 256
+"""From how many vectors the first homography is drawn, at most: every second, third... of more. The fits take all."""
 _MIN_DEPTH_RATIO = 1e-6
 _RIDGE = 1e-12
 
@@ -37,9 +39,10 @@ class Homography(Detector):
     affine map only nearly does. Needs no planar flow; takes the largest plane for the ground. The score is what the
     flow leaves of the homography's own flow.
 
-    OpenCV draws a first homography, which is then fitted by least squares to its inliers, repeatedly,
-    as `plane.affine` is. Where noise is as large as on real flow it then hardly matters what drew the first. OpenCV
-    draws from generators that restart with every call: nothing here depends on a seed or on earlier runs.
+    OpenCV draws a first homography from up to 256 vectors, taken evenly. It is then fitted by least squares to its
+    inliers among all vectors, repeatedly, as `plane.affine` is. Where noise is as large as on real flow it then hardly
+    matters what drew the first. OpenCV draws from generators that restart with every call: nothing here depends on a
+    seed or on earlier runs.
 
     Where ``deviation`` is wired, a vector that is likely to be off by more than ``threshold_px`` counts for less in the
     fits, in proportion. Not in the score: flow is least certain at the edges of obstacles, which then are lost.
@@ -84,8 +87,8 @@ class Homography(Detector):
         """Return the homography (3, 3) that takes most of ``places`` (n, 2) to their ``targets``."""
         matrix = drawn(places, targets, self.method, self.reprojection_px, self.draws)
         for _ in range(self.refits):
-            near = agrees(weights * length(targets - moved(matrix, places)), self.threshold_px)
-            matrix = least_squares(places[near], targets[near], weights[near])
+            near = np.flatnonzero(agrees(weights * length(targets - moved(matrix, places)), self.threshold_px))
+            matrix = least_squares(places.take(near, axis=0), targets.take(near, axis=0), weights.take(near))
         return matrix
 
 
@@ -94,9 +97,10 @@ def drawn(places: Doubles, targets: Doubles, method: Method, reprojection_px: fl
 
     ``places``, ``targets``: (n, 2), px. The other parameters are those of `Homography`.
     """
+    every = -(-len(places) // _MAX_DRAWN_FROM)
     matrix, _ = cv2.findHomography(
-        places / _UNIT_PX,
-        targets / _UNIT_PX,
+        places[::every] / _UNIT_PX,
+        targets[::every] / _UNIT_PX,
         _METHODS[method],
         reprojection_px / _UNIT_PX,
         maxIters=draws,
@@ -116,21 +120,21 @@ def least_squares(places: Doubles, targets: Doubles, weights: Doubles) -> Double
     equations weigh a vector by its depth, which is nearly 1 where the motion between frames is small.
     """
     scale = max(1.0, float(np.abs(places).max()))
-    x, y = places.T / scale
-    one, zero = np.ones_like(x), np.zeros_like(x)
-    equations = [
-        weights * np.stack([*(columns), -target * x, -target * y])
-        for columns, target in (
-            ((x, y, one, zero, zero, zero), targets[:, 0] / scale),
-            ((zero, zero, zero, x, y, one), targets[:, 1] / scale),
-        )
-    ]
-    added_px = weights * (targets - places).T / scale
-    products = sum(rows @ rows.T for rows in equations)
-    added = np.linalg.solve(
-        products + _RIDGE * len(places) * np.eye(8),
-        sum(rows @ by for rows, by in zip(equations, added_px, strict=True)),
-    )
+    x, y = np.ascontiguousarray(places.T) / scale
+    to = np.ascontiguousarray(targets.T) / scale
+    # An equation along x is (affine, 0, depth_x), one along y is (0, affine, depth_y).
+    affine = weights * np.stack([x, y, np.ones_like(x)])
+    depth_x, depth_y = -to[0] * affine[:2], -to[1] * affine[:2]
+    added_x, added_y = weights * (to[0] - x), weights * (to[1] - y)
+    products = _RIDGE * len(places) * np.eye(8)
+    products[:3, :3] += affine @ affine.T
+    products[3:6, 3:6] = products[:3, :3]
+    products[:3, 6:] = affine @ depth_x.T
+    products[3:6, 6:] = affine @ depth_y.T
+    products[6:, :6] = products[:6, 6:].T
+    products[6:, 6:] += depth_x @ depth_x.T + depth_y @ depth_y.T
+    by = np.concatenate([affine @ added_x, affine @ added_y, depth_x @ added_x + depth_y @ added_y])
+    added = np.linalg.solve(products, by)
     matrix = np.eye(3) + np.append(added, 0.0).reshape(3, 3)
     return np.asarray(matrix * [[1.0, 1.0, scale], [1.0, 1.0, scale], [1 / scale, 1 / scale, 1.0]])
 

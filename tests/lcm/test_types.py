@@ -81,7 +81,7 @@ def filled(lcm_class: Any) -> Any:
             size = getattr(made, dim) if isinstance(dim, str) else dim
             value = [value] * size
         setattr(made, name, value)
-    if lcm_class is graphnav_lcm.local_map_t:
+    if lcm_class in (graphnav_lcm.floor_map_t, graphnav_lcm.local_map_t):
         made.cell_m, made.state = 0.5, [[3] * made.cols] * made.rows
     if lcm_class is graphnav_lcm.scan_t:
         made.angle_increment_rad, made.range_min_m, made.range_max_m = 0.01, 0.1, 9.0
@@ -110,7 +110,8 @@ def test_all_fingerprints_differ() -> None:
 
 
 def test_every_type_has_a_message_and_every_message_its_type() -> None:
-    assert {message.lcm_class for message in MESSAGES} == set(TOP)
+    wrapped = {kind for message in MESSAGES for kind in (message.lcm_class, *message.former_lcm_classes)}
+    assert wrapped == set(TOP)
 
 
 @pytest.mark.parametrize("lcm_class", TOP, ids=lcm_name)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy import ndimage
 
 from graphnav import LocalMap
-from graphnav.arrays import Bools, Doubles, Floats
+from graphnav.arrays import Bools, Doubles
 
 Where = Callable[[Doubles, Doubles], Bools]
 DrawMap = Callable[..., LocalMap]
@@ -39,14 +37,6 @@ def draw_map() -> DrawMap:
         state[obstacle(x_m, y_m)] = LocalMap.OBSTACLE
         state[moving(x_m, y_m)] = LocalMap.MOVING
         origin_m = float(middles[0])
-        away = [_rim_m(there, cell_m) for there in (state >= LocalMap.OBSTACLE, state == LocalMap.UNKNOWN)]
-        return LocalMap(cell_m, origin_m, origin_m, *pose, state, *away)
+        return LocalMap(cell_m, origin_m, origin_m, *pose, state)
 
     return draw
-
-
-def _rim_m(there: Bools, cell_m: float) -> Floats:
-    if not there.any():
-        return np.full(there.shape, cell_m * math.hypot(*there.shape), np.float32)
-    middle = ndimage.distance_transform_edt(~there)
-    return np.asarray(np.maximum((middle - 0.5) * cell_m, 0.0), np.float32)

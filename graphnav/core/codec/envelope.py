@@ -34,12 +34,15 @@ def not_finite(message: Message) -> str | None:
 
 
 def decode(message_class: type[M], data: bytes) -> tuple[int, int, M]:
-    """Return ``(utime, seq, message)``; raises DecodeError for anything that is not such a message."""
+    """Return ``(utime, seq, message)``; raises DecodeError for anything that is not such a message.
+
+    A message of one of the class's former types is one.
+    """
     cached: type = message_class
     decoded: tuple[int, int, M] | None = _decoder_of(cached)(data)
     if decoded is not None:
         return decoded
-    values = codec_of(message_class.lcm_class).decode(data)
+    values = codec_of(_type_of(message_class, data)).decode(data)
     try:
         message = message_class.from_lcm_fields(values)
         return values["utime"], values["seq"], message
@@ -78,6 +81,12 @@ def _decoder_of(message_class: type[Message]) -> MessageDecoder:
     if not is_plain or not is_flat(fields) or not names.issuperset({*_names(message_class), *_ENVELOPE}):
         return _unable
     return message_decoder(fields, fingerprint(message_class.lcm_class), message_class, _names(message_class))
+
+
+def _type_of(message_class: type[Message], data: bytes) -> type:
+    """Return the former type of a message class that the bytes begin with, else its type."""
+    former = (one for one in message_class.former_lcm_classes if data.startswith(fingerprint(one)))
+    return next(former, message_class.lcm_class)
 
 
 def _names(message_class: type[Message]) -> tuple[str, ...]:

@@ -62,8 +62,10 @@ def messages_by_name() -> dict[str, type[Message]]:
 
 
 def message_class_of(lcm_class: type) -> type[Message] | None:
-    """Return the imported message class that wraps an LCM type, None if there is none."""
-    return next((found for found in message_classes() if found.lcm_class is lcm_class), None)
+    """Return the imported message class that wraps an LCM type, now or in older logs, None if there is none."""
+    return next(
+        (found for found in message_classes() if lcm_class in (found.lcm_class, *found.former_lcm_classes)), None
+    )
 
 
 def message_types() -> dict[str, type[Message]]:

@@ -1,5 +1,6 @@
 """The shipped message types."""
 
+from graphnav.core.messages.derived import Derived
 from graphnav.core.messages.local_map import LocalMap
 from graphnav.core.messages.message import ZERO_MEANS, FieldError, Message, snake_case
 from graphnav.core.messages.robot import (
@@ -38,6 +39,7 @@ __all__ = [
     "CameraInfo",
     "Changed",
     "Components",
+    "Derived",
     "FieldError",
     "Fired",
     "Flow",

@@ -54,6 +54,8 @@ class Message:
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
     lcm_class: ClassVar[type]
+    former_lcm_classes: ClassVar[tuple[type, ...]] = ()
+    """LCM types of this message in older logs, which are read as this message."""
     grid: ClassVar[tuple[str, ...]] = ()
     many_writers: ClassVar[bool] = False
     """Whether several programs may write a channel of this type: then timestamps and sequence numbers are not compared,
@@ -68,8 +70,14 @@ class Message:
     _names: ClassVar[tuple[str, ...]]
     _floats: ClassVar[tuple[str, ...]]
 
-    def __init_subclass__(cls, lcm: type | None = None, grid: tuple[str, ...] = (), **kwargs: Any) -> None:
-        """Make ``cls`` a frozen dataclass; ``grid`` names the fields whose first axes are rows and columns."""
+    def __init_subclass__(
+        cls, lcm: type | None = None, grid: tuple[str, ...] = (), former: tuple[type, ...] = (), **kwargs: Any
+    ) -> None:
+        """Make ``cls`` a frozen dataclass.
+
+        ``grid`` names the fields whose first axes are rows and columns; ``former``: LCM types that it had in older
+        logs, with the fields of ``lcm`` and more.
+        """
         super().__init_subclass__(**kwargs)
         is_made_by_storing = not {"__init__", "__slots__"} & vars(cls).keys() and not hasattr(cls, "__post_init__")
         dataclass(frozen=True, eq=False)(cls)
@@ -79,6 +87,7 @@ class Message:
             )
         if lcm is not None:
             cls.lcm_class = lcm
+            cls.former_lcm_classes = former
         cls.grid = grid or cls.grid
         cls._names = tuple(f.name for f in fields(cls))
         cls.is_plain = is_made_by_storing and cls.__new__ is object.__new__ and all(f.init for f in fields(cls))

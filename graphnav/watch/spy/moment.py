@@ -87,7 +87,7 @@ class Moment:
     def find(self, kind: type[M], /) -> M | None:
         """Return the newest message of a type, from the first channel of this type."""
         theirs = [lcm_class for lcm_class, adapter in self._readers.items() if issubclass(adapter.message, kind)]
-        for lcm_class in (kind.lcm_class, *theirs):
+        for lcm_class in (kind.lcm_class, *kind.former_lcm_classes, *theirs):
             for name in self._watch.names_of(lcm_class):
                 sample = self._watch.newest(name)
                 with suppress(KeyError, TypeError, ValueError):

@@ -94,7 +94,7 @@ def test_an_unknown_name_is_told_with_what_is_near(capsys: pytest.CaptureFixture
     assert capsys.readouterr().err == "family 'plane' has no stage 'icca'\n  did you mean 'ica'?\n"
 
 
-@pytest.mark.parametrize("name", ["LocalMap", "localmap", "local_map_t"])
+@pytest.mark.parametrize("name", ["LocalMap", "localmap", "floor_map_t"])
 def test_a_message_lists_what_writes_and_reads_it(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stages", name, "--json"]) == 0
     said = json.loads(capsys.readouterr().out)

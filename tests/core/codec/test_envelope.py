@@ -43,8 +43,8 @@ def message_of(message_class: type[Message], seed: int) -> Message:
     if message_class.__name__ == "Image":
         return message_class(pixels=rng.integers(0, 256, (2, 3), np.uint8), step_px=4)  # type: ignore[call-arg]
     if message_class is LocalMap:
-        state, far = rng.integers(0, 4, (2, 3), np.uint8), rng.uniform(0, 9, (2, 2, 3)).astype(np.float32)
-        return LocalMap(0.1, -0.1, -0.1, 0.0, 0.0, float(rng.uniform(-3, 3)), state, *far)
+        state = rng.integers(0, 4, (2, 3), np.uint8)
+        return LocalMap(0.1, -0.1, -0.1, 0.0, 0.0, float(rng.uniform(-3, 3)), state)
     if message_class is CameraInfo:
         matrix, more = rng.uniform(1, 9, (3, 3)), rng.uniform(1, 9, (3, 4))
         return CameraInfo(3, 4, "plumb_bob", matrix, rng.uniform(0, 1, 5 * (seed % 2)), matrix.T.copy(), more)

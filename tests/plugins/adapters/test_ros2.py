@@ -107,7 +107,6 @@ def test_parameters_of_a_camera_come_back() -> None:
 
 def test_a_map_is_told_as_ros_does() -> None:
     state = np.array([[0, 1, 2], [3, 1, 0]], np.uint8)
-    far = np.ones((2, 3), np.float32)
     local = LocalMap(
         cell_m=0.1,
         origin_x_m=1.0,
@@ -116,8 +115,6 @@ def test_a_map_is_told_as_ros_does() -> None:
         y_m=2.0,
         yaw_rad=0.0,
         state=state,
-        obstacle_m=far,
-        unknown_m=far,
     )
     kind = RosOccupancyGrid().ros_type
     found = kind.decode(kind.encode(RosOccupancyGrid().to_ros(local, UTIME)))

@@ -8,9 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from graphnav_mapping.local import Local
+from graphnav_mapping.local import Local, MaskMount
+from graphnav_mapping.rolling_grid import RollingGrid
 
 from graphnav import FlowDeviation, Latest, LocalMap, Motion, ParamError, Plane, RecoveryState, Stamp
+from graphnav.core.catalog import Catalog
+from graphnav.core.codec import encode
+from graphnav.core.graph import load_graph
 
 from .conftest import Camera, Pillar, seen_plane
 
@@ -274,6 +278,29 @@ def test_the_same_frames_give_the_same_map() -> None:
     one, other = (Drive().steps(pillars(PILLAR), [(0.03, 0.05)] * 10) for _ in range(2))
     assert np.array_equal(one.state, other.state)
     assert np.array_equal(one.obstacle_m, other.obstacle_m)
+
+
+def test_the_map_of_the_shipped_graph_is_below_a_packet() -> None:
+    local = load_graph("navigate", Catalog()).make_stages()["local"]
+    local.reset(seed=0)
+    map_ = local.step(plane=unjudged(), motion=Motion(0.02, 0.0, 0.0, PERIOD_US), stamp=Stamp(PERIOD_US))  # type: ignore[attr-defined]
+    assert len(encode(map_, PERIOD_US, 1)) <= 60_000
+
+
+@pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (0.8, -0.3, 2.5), (-1.0, 0.9, -0.7)])
+def test_all_that_the_picture_shows_is_in_the_box_of_its_floor(pose: tuple[float, float, float]) -> None:
+    rows, cols, mount = 30, 40, MaskMount(1.0, 55.0, 70.0, 0.2)
+    near = mount.floor_distance_m(rows, cols) <= 2.0
+    grid = RollingGrid(9.0, CELL_M)
+    grid.x_m, grid.y_m, grid.yaw_rad = pose
+    shown_by = grid.shown_by((rows, cols), mount.floor_to_pixels(rows, cols), grid.box)
+    is_near = np.append(False, near)[shown_by]  # 0 stands for no cell
+    box = grid.box_of(mount.hull_m(near))
+    assert np.count_nonzero(is_near) > 1000
+    assert np.count_nonzero(is_near[box.cells]) == np.count_nonzero(is_near)
+    assert box.shape[0] * box.shape[1] < is_near.size / 3
+    inner = grid.shown_by((rows, cols), mount.floor_to_pixels(rows, cols), box)
+    assert np.array_equal(inner, shown_by[box.cells])
 
 
 def unjudged() -> Plane:

@@ -13,8 +13,7 @@ from matplotlib import pyplot as plt
 from graphnav import LocalMap
 
 STATE = np.full((90, 90), LocalMap.FREE, np.uint8)
-APART_M = np.ones(STATE.shape, np.float32)
-LOCAL = LocalMap(0.1, -4.0, -3.0, 1.0, 0.5, 0.3, STATE, APART_M, APART_M)
+LOCAL = LocalMap(0.1, -4.0, -3.0, 1.0, 0.5, 0.3, STATE)
 
 
 def test_the_robot_is_in_the_middle() -> None:

@@ -191,8 +191,7 @@ def test_a_legend_names_unknown_cells(pictures: Pictures, drive: Messages) -> No
 
 def _local(state: Bytes, x_m: float, y_m: float, yaw_rad: float) -> LocalMap:
     """Return a local map of cells of 0.1 m whose first one is at (0, 0)."""
-    apart_m = np.ones(state.shape, np.float32)
-    return LocalMap(0.1, 0.0, 0.0, x_m, y_m, yaw_rad, state, apart_m, apart_m)
+    return LocalMap(0.1, 0.0, 0.0, x_m, y_m, yaw_rad, state)
 
 
 def test_a_local_map_shows_its_cells_x_to_the_right_and_y_up(pictures: Pictures) -> None:
@@ -309,7 +308,7 @@ def _small() -> Messages:
         Steering: Steering(force, force, force, 0.1, force),
         Planar: Planar(uv, valid, uv[..., 0], 1),
         Truth: Truth(valid, uv[..., 0], uv, 1),
-        LocalMap: LocalMap(0.1, -0.3, -0.2, 0.0, 0.1, 0.5, states, uv[..., 0], uv[..., 0]),
+        LocalMap: LocalMap(0.1, -0.3, -0.2, 0.0, 0.1, 0.5, states),
         Scan: Scan(-1.0, 0.25, 0.1, 3.0, np.array([1, 2, np.inf, np.nan, 0, 4, 1, 2], np.float32)),
         Components: Components(uv, 2 * uv, np.eye(2), np.array([0.1, 1.0]), 1, valid, 1),
     }

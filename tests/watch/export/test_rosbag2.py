@@ -81,8 +81,7 @@ def write(path: Path, *messages: Message) -> Path:
 
 def test_every_type_that_ros_has(tmp_path: Path) -> None:
     state = np.array([[0, 1, 2], [3, 1, 1]], np.uint8)
-    near = np.zeros((2, 3), np.float32)
-    grid = LocalMap(0.25, -1.0, 2.0, -1.0, 2.0, 0.5, state, near, near)
+    grid = LocalMap(0.25, -1.0, 2.0, -1.0, 2.0, 0.5, state)
     ranges = np.array([1.0, math.inf, 0.5], np.float32)
     info = CameraInfo(
         120, 160, "plumb_bob", np.diag([114.0, 115.0, 1.0]), np.arange(5.0), np.eye(3), np.arange(12.0).reshape(3, 4)

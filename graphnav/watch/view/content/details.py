@@ -109,7 +109,8 @@ def picture_of(moment: Moment, pictures: Pictures) -> bytes | None:
         return None
 
     def find(kind: type[M], /) -> M | None:
-        data = moment.others.get(kind.lcm_class)
+        held = (moment.others.get(lcm_class) for lcm_class in (kind.lcm_class, *kind.former_lcm_classes))
+        data = next(filter(None, held), None)
         try:
             return None if data is None else decode(kind, data)[2]
         except DecodeError:
