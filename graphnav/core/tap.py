@@ -18,11 +18,19 @@ from graphnav.core.lcm_url import tap_url
 from graphnav.core.machine.system import is_linux
 from graphnav.core.messages import About, Message
 from graphnav.core.notices import print_notice
+from graphnav.core.record.recording import Recording
 
+_PICTURES_HZ = 32
+"""A camera of 30 Hz loses none; a run at full speed makes five times as many, which no eye takes."""
+_BURST_PICTURES = 16
+"""So many more at once: what a short delay has held up."""
+_STAMP = slice(8, 16)
+"""Of a message: its first field, after the fingerprint."""
 _MAX_STEP_PX = 64
 _MAX_QUEUED_BYTES = 8 << 20
 _PER_MESSAGE_BYTES = 256
-_POLL_S = 0.005
+_GATHER_S = 0.005
+"""Messages within this time wake the thread once: each wake takes the interpreter from the run."""
 _BURST_BYTES = 65_536
 _BURST_MESSAGES = 16
 _PAUSE_S = 0.002
@@ -41,8 +49,9 @@ class Tap:
     It never blocks or fails the run: ``write`` appends to a bounded queue that drops rather than waits, and failures
     are counted in ``dropped``. A message that is the only one on its channel is repeated every second, like
     ``graphnav.about``, for late subscribers. In mode "thin" grids larger than one packet are sent with every n-th row
-    and column; "full" sends all bytes. What is larger than a packet leaves with gaps (`Bus.send`), the newest of a
-    channel if they come faster than that.
+    and column, and messages from 4 kB on of at most 32 stamps a second of wall time: those of one stamp are sent
+    together, so that a picture is seen with what was made from it. "full" sends all bytes. What is larger than a packet
+    leaves with gaps (`Bus.send`), the newest of a channel if they come faster than that.
 
     ``notice`` is called once for each other run on the same group that publishes the same channels, for at most 8 runs,
     and once for all further ones. Raises BusError if there is no multicast route.
@@ -68,8 +77,11 @@ class Tap:
         self._lone: dict[str, tuple[float, bytes]] = {}
         self._waiting: deque[tuple[str, int, bytes]] = deque()
         self._put_bytes = self._taken_bytes = 0
+        self._shown = b""
+        self._picture_due_s: dict[str, float] = {}
         self._dropping = threading.Lock()
-        self._closing = threading.Event()
+        self._closing, self._wake = threading.Event(), threading.Event()
+        self._is_idle = False
         self._utime = self._n_abouts = self._overtaken = 0
         self._about_due_s = 0.0
         bus = Bus(self.url, notice)
@@ -86,19 +98,35 @@ class Tap:
         types = zip(about.channels, map(type_named, about.types), strict=True)
         self._classes = {channel: lcm_class and message_class_of(lcm_class) for channel, lcm_class in types}
         self._about = replace(about, run_id=self._run_id)
+        self._wake.set()
 
     def write(self, channel: str, utime: int, data: bytes) -> None:
-        """Queue a message; returns immediately."""
+        """Queue a message, or drop it; returns immediately."""
         n_bytes = len(data) + _PER_MESSAGE_BYTES
-        if self._put_bytes - self._taken_bytes + n_bytes > _MAX_QUEUED_BYTES:
+        is_left_out = self._mode == "thin" and len(data) >= Recording.SMALL_BYTES and not self._is_shown(channel, data)
+        if is_left_out or self._put_bytes - self._taken_bytes + n_bytes > _MAX_QUEUED_BYTES:
             self._drop()
             return
         self._put_bytes += n_bytes
         self._waiting.append((channel, utime, data))
+        if self._is_idle:
+            self._is_idle = False
+            self._wake.set()
+
+    def _is_shown(self, channel: str, data: bytes) -> bool:
+        """Whether a large message is sent: its stamp is shown, or becomes so because its channel is due."""
+        now_s, stamp = time.monotonic(), data[_STAMP]
+        due_s = self._picture_due_s.get(channel, 0.0)
+        if stamp != self._shown and now_s < due_s - _BURST_PICTURES / _PICTURES_HZ:
+            return False
+        self._shown = stamp
+        self._picture_due_s[channel] = max(now_s, due_s) + 1 / _PICTURES_HZ
+        return True
 
     def close(self) -> None:
         """Send the queued messages, for at most a third of a second, and stop."""
         self._closing.set()
+        self._wake.set()
         self._thread.join()
 
     def _serve(self, bus: Bus) -> None:
@@ -120,10 +148,22 @@ class Tap:
                 if burst_bytes >= _BURST_BYTES or burst_messages >= _BURST_MESSAGES:
                     burst_bytes = burst_messages = 0
                     time.sleep(_PAUSE_S)
-            elif self._closing.wait(_POLL_S) and not self._waiting:
+            elif self._closing.is_set():
                 break
+            else:
+                self._rest()
         bus.close()
         self._drop(len(self._waiting) + sum(bus.overtaken.values()) - self._overtaken)
+
+    def _rest(self) -> None:
+        """Wait for messages, at most until the description is due; then for those that come with them."""
+        self._wake.clear()
+        self._is_idle = True
+        if not self._waiting and not self._closing.is_set():
+            self._wake.wait(_ABOUT_S if self._about is None else max(0.0, self._about_due_s - time.monotonic()))
+        self._is_idle = False
+        if self._waiting:
+            self._closing.wait(_GATHER_S)
 
     def _announce_again(self, bus: Bus) -> None:
         """Repeat the description, and messages published once (the map), after a second."""

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
-from graphnav import About
+from graphnav import About, Status
+from graphnav.core.codec import DecodeError, decode
 from graphnav.core.errors import LogError
 from graphnav.core.machine import ReceiveBuffer
 from graphnav.core.record import AboutFirst, ChannelFilter, LogFiles, ThreadedLogWriter
@@ -16,6 +17,8 @@ from graphnav.watch.feed import Feed, LiveFeed, Received
 
 _MAX_CHANNELS = 10_000
 """Further channels are counted together, to bound memory when a program sends random names."""
+_MAX_RUNS = 32
+"""Of further runs it is not told how much their taps left out."""
 
 
 class RecordedChannel(ChannelCounts):
@@ -44,6 +47,12 @@ class ReceiveStatistics:
         self.channels: dict[str, RecordedChannel] = {}
         self.others = RecordedChannel()
         """Messages on channels beyond the first 10,000."""
+        self._tap_dropped: dict[str, tuple[int, int]] = {}
+
+    @property
+    def left_out(self) -> int:
+        """The number of messages that the taps of runs left out meanwhile, as their statuses tell once a second."""
+        return sum(newest - before for before, newest in list(self._tap_dropped.values()))
 
     @property
     def lost(self) -> int:
@@ -58,11 +67,23 @@ class ReceiveStatistics:
         channel.add(len(data), at_s)
         self.n_messages += 1
         self.n_bytes += len(data)
+        if name == Status.CHANNEL:
+            self._see_status(data)
         kind = channel.kind
         if kind is not None and kind.is_stamped and data.startswith(channel.fingerprint):
             stamp = kind.stamp(data)
             if stamp is not None:
                 channel.gaps.see(stamp[1])
+
+    def _see_status(self, data: bytes) -> None:
+        """Note what the tap of a run has left out; all of that before its first status if that is heard."""
+        try:
+            _, seq, status = decode(Status, data)
+        except DecodeError:
+            return
+        if status.run_id in self._tap_dropped or len(self._tap_dropped) < _MAX_RUNS:
+            before, _ = self._tap_dropped.get(status.run_id, (status.tap_dropped if seq else 0, 0))
+            self._tap_dropped[status.run_id] = before, status.tap_dropped
 
     def _add(self, name: str, data: bytes) -> RecordedChannel:
         if len(self.channels) >= _MAX_CHANNELS:

@@ -21,9 +21,10 @@ import pytest
 from graphnav.core.bus import Bus
 from graphnav.core.cli import main
 from graphnav.core.codec import encode
-from graphnav.core.messages import About, Image, Stop, Twist
+from graphnav.core.messages import About, Image, Status, Stop, Twist
 from graphnav.core.record import ChannelFilter, Recording, ThreadedLogWriter
 from graphnav.core.run_folder import RunFolder
+from graphnav.core.tap import Tap
 from graphnav.watch.recorder import ReceiveStatistics, Recorder
 
 from .conftest import TOOLS
@@ -127,6 +128,31 @@ def test_losses_are_told(start: Start, tmp_path: Path) -> None:
     assert status == 0
     assert "2 messages lost (missing sequence numbers)\n" in out
     assert row_of(out, "twist") == ["twist", "graphnav_lcm.twist_t", "4", "160", "B", "2"]
+
+
+def test_what_a_tap_leaves_out_is_told_apart(start: Start, tmp_path: Path, group: str) -> None:
+    path = tmp_path / "log"
+    process = start(path)
+    process.publish_until_heard()
+    tap, image = Tap("thin", "cafe", group), Image(pixels=np.zeros((60, 80), np.uint8))
+    sent = left_out = 0
+    while sent < 200 or tap.dropped > left_out:  # the last one is sent: a gap has two ends
+        left_out = tap.dropped
+        tap.write("robot.image", sent, encode(image, sent, sent))
+        sent += 1
+    tap.write(Status.CHANNEL, sent, encode(status_of("cafe", left_out), sent, 0))
+    wait_until(lambda: len(received(path)) == sent + 1 - left_out)
+    tap.close()
+    status, out, _ = process.end()
+    assert status == 0
+    assert left_out > 0
+    lost = f"{left_out:,} messages lost (missing sequence numbers), {left_out:,} of them left out by the tap of a run"
+    assert lost in out
+
+
+def status_of(run_id: str, tap_dropped: int) -> Status:
+    """Return a status of a run in lockstep."""
+    return Status(run_id, "g", False, 1.0, 1.0, 0.0, 1.0, tap_dropped, 0, "", (), (), (), ())
 
 
 def test_what_a_suspended_process_loses_is_told(start: Start, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import queue
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -95,6 +96,34 @@ def test_in_full_all_bytes_are_sent(group: str) -> None:
     listener.wait_for(lambda received: received)
     tap.close()
     assert listener.received == [("flow.flow", data)]
+
+
+def test_of_a_run_at_full_speed_some_pictures_are_sent_with_what_was_made_from_them(group: str) -> None:
+    listener, tap = Listener(group), Tap("thin", "run-1", group)
+    image = Image(pixels=RNG.integers(0, 255, (60, 80), dtype=np.uint8))
+    begin_s = time.monotonic()
+    for k in range(200):
+        tap.write("control.twist", k, encode(Twist(0.1, 0.2), k, k))
+        tap.write("robot.image", k, encode(image, k, k))
+        tap.write("flow.image", k, encode(image, k, k))
+    elapsed_s = time.monotonic() - begin_s
+    listener.wait_for(lambda _: len(listener.on("control.twist")) == 200)
+    tap.close()
+    listener.wait_for(lambda _: len(listener.on("flow.image")) + len(listener.on("robot.image")) == 400 - tap.dropped)
+    stamps = [decode(Image, data)[0] for data in listener.on("robot.image")]
+    assert stamps == [decode(Image, data)[0] for data in listener.on("flow.image")]
+    assert stamps[:16] == list(range(16))
+    assert len(stamps) <= 18 + 32 * elapsed_s
+
+
+def test_in_full_every_picture_is_sent(group: str) -> None:
+    listener, tap = Listener(group), Tap("full", "run-1", group)
+    image = Image(pixels=RNG.integers(0, 255, (60, 80), dtype=np.uint8))
+    for k in range(60):
+        tap.write("robot.image", k, encode(image, k, k))
+    listener.wait_for(lambda received: len(received) == 60)
+    tap.close()
+    assert tap.dropped == 0
 
 
 def test_late_comers_hear_what_runs(group: str) -> None:

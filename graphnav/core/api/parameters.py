@@ -92,7 +92,8 @@ class Shared:
         "--tap",
         choices=get_args(TapMode),
         default="none",
-        help="copies for viewers on this machine: messages thinned to one packet, full messages, or none",
+        help="copies for viewers on this machine: messages thinned to one packet and 32 pictures a second, all "
+        "messages in full, or none",
         doc='What is sent to ``graphnav spy`` and other programs that watch: ``"thin"``, ``"full"``, ``"none"``.',
         example='"thin" to watch with graphnav spy',
     )

@@ -255,8 +255,8 @@ class _LockstepRun:
                 record.outcome = lockstep.run(self._graph.run.until_s, before_tick)
         except KeyboardInterrupt:
             record.outcome = Outcome.STOPPED
-        if status is not None and lockstep.process_states:
-            status.publish(engine.utime, clock.behind_s)  # says which process is gone
+        if status is not None:
+            status.publish(engine.utime, clock.behind_s)  # says which process is gone, and what the tap left out
         with record.failures.noted():
             engine.give_stops(engine.sinks)
         record.read_scores()
