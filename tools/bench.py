@@ -1,13 +1,19 @@
-"""Benchmark every promised speed, as a ratio of medians to a named reference in the same run."""
+"""Benchmark every promised speed, as a ratio of medians to a named reference in the same run.
+
+Without arguments all parts run, one after the other; PART ... runs some of them. ``--budget`` measures instead what
+graphs do on a share of a core. The exit status is 1 if a limit is missed.
+"""
 
 from __future__ import annotations
 
+import argparse
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import bench_ablate
+import bench_budget
 import bench_codec
 import bench_flow
 import bench_render
@@ -17,7 +23,7 @@ import bench_tick
 import bench_ticks
 import cv2
 from reference_version import reference_python
-from taking_turns import Ratio
+from taking_turns import Ratio, load_told
 from threadpoolctl import threadpool_limits
 
 REPORTING_SEEDS = range(1000, 1020)
@@ -40,20 +46,8 @@ class Judged:
         return value >= self.limit if self.at_least else value <= self.limit
 
 
-def ratios() -> Iterator[Judged]:
-    """Measure the ratios one after the other."""
-    yield from _messages()
-    yield from _rendering()
-    yield from _flow()
-    yield from _stages()
-    yield from _ticks()
-    yield from _studies()
-    start = bench_start.measure()
-    ours, bare = bench_start.OURS, bench_start.BARE
-    yield Judged(f"{ours} / {bare}", start.ratio(ours, bare), 12, f"{1e3 * start.median(ours):.0f} ms")
-
-
 def _messages() -> Iterator[Judged]:
+    """Measure a tick beyond its steps against a hand-written loop, and the codec against lcm-gen's."""
     for scores in (True, False):
         tick = bench_tick.measure(scores=scores)
         name = "tick beyond the steps / hand-written loop" + ("" if scores else ", no scores")
@@ -74,6 +68,7 @@ def _messages() -> Iterator[Judged]:
 
 
 def _rendering() -> Iterator[Judged]:
+    """Measure the world's pictures against Farneback's flow."""
     for cols, rows, limit in ((160, 120, 0.35), (320, 240, 0.25)):
         cost = bench_render.measure(cols, rows)
         name = f"render with truth / Farneback, {cols}x{rows}"
@@ -81,6 +76,7 @@ def _rendering() -> Iterator[Judged]:
 
 
 def _flow() -> Iterator[Judged]:
+    """Measure error and time of Lucas-Kanade against Farneback."""
     stages = bench_flow.estimators()
     both = {name: stages[name] for name in ("lucas_kanade", "farneback")}
     for turn, limit in (("straight", 0.85), ("turning", 1.0)):
@@ -100,6 +96,7 @@ def _flow() -> Iterator[Judged]:
 
 
 def _stages() -> Iterator[Judged]:
+    """Measure steps of stages against version 0.1.0."""
     judged = ("plane.ica", "planar.motion", "planar.subspace")
     for name, share in bench_stages.measure(reference_python()).items():
         is_judged = name in judged or name.startswith("score.")
@@ -107,12 +104,14 @@ def _stages() -> Iterator[Judged]:
 
 
 def _ticks() -> Iterator[Judged]:
+    """Measure ticks per second of graphs against version 0.1.0."""
     for speed in bench_ticks.measure():
         limit = 0.0 if speed.limit is None else speed.limit
         yield Judged(f"ticks/s over those of 0.1.0, {speed.name}", speed.ratio, limit, str(speed), at_least=True)
 
 
 def _studies() -> Iterator[Judged]:
+    """Measure a study with two processes against one, and against version 0.1.0."""
     study = bench_ablate.measure(old=reference_python())
     detail = f"{study['-j 1, s']:.0f} s with one process, {study['-j 2, s']:.0f} s with two"
     yield Judged("a study's parallel efficiency on 2 cores", study["efficiency"], 0.92, detail, at_least=True)
@@ -120,19 +119,61 @@ def _studies() -> Iterator[Judged]:
     yield Judged("a study of 60 runs: 0.1.0's time / ours, -j 2", study["-j 2 ratio"], 1.6, detail, at_least=True)
 
 
+def _start() -> Iterator[Judged]:
+    """Measure the start of a command against that of bare Python with numpy."""
+    start = bench_start.measure()
+    ours, bare = bench_start.OURS, bench_start.BARE
+    yield Judged(f"{ours} / {bare}", start.ratio(ours, bare), 12, f"{1e3 * start.median(ours):.0f} ms")
+
+
+PARTS: Mapping[str, Callable[[], Iterator[Judged]]] = {
+    "messages": _messages,
+    "rendering": _rendering,
+    "flow": _flow,
+    "stages": _stages,
+    "ticks": _ticks,
+    "studies": _studies,
+    "start": _start,
+}
+
+
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """Return the arguments of the command line; its help lists the parts, and the benchmarks beside this one."""
+    parts = "\n".join(f"  {name:10} {(part.__doc__ or '').strip()}" for name, part in PARTS.items())
+    others = "bench_edges, bench_live, bench_peers, bench_record, bench_replay, bench_ros2, bench_spy"
+    parser = argparse.ArgumentParser(
+        description=__doc__,
+        epilog=f"parts:\n{parts}\n\nprograms of their own, python tools/NAME.py: {others}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("parts", nargs="*", metavar="PART", help="what to measure (default: all parts)")
+    parser.add_argument("--budget", action="store_true", help="graphs on a half, a quarter and a tenth of a core")
+    args = parser.parse_args(words)
+    if unknown := [part for part in args.parts if part not in PARTS]:
+        parser.error(f"there is no part '{unknown[0]}'; parts are {', '.join(PARTS)}")
+    return args
+
+
 def main() -> int:
     """Print every ratio beside its limit; return 1 if one is missed."""
+    args = arguments()
     cv2.setNumThreads(1)
     threadpool_limits(1)
-    missed = 0
-    for one in ratios():
-        missed += not one.is_met
-        mark = "ok  " if one.is_met else "MISS"
-        bound = "" if one.limit in {0.0, math.inf} else f"at {'least' if one.at_least else 'most'} {one.limit:g}"
-        value = f"{one.value}" if isinstance(one.value, Ratio) else f"{one.value:.2f}"
-        sys.stdout.write(f"{mark} {one.name:62} {value:>20}  {bound:13} {one.detail}\n")
-        sys.stdout.flush()
-    return 1 if missed else 0
+    with load_told():
+        if args.budget:
+            bench_budget.main()
+            return 0
+        return 1 if sum(not _told(one) for part in args.parts or PARTS for one in PARTS[part]()) else 0
+
+
+def _told(one: Judged) -> bool:
+    """Print a value beside its limit; return whether it is met."""
+    mark = "ok  " if one.is_met else "MISS"
+    bound = "" if one.limit in {0.0, math.inf} else f"at {'least' if one.at_least else 'most'} {one.limit:g}"
+    value = f"{one.value}" if isinstance(one.value, Ratio) else f"{one.value:.2f}"
+    sys.stdout.write(f"{mark} {one.name:62} {value:>20}  {bound:13} {one.detail}\n")
+    sys.stdout.flush()
+    return one.is_met
 
 
 if __name__ == "__main__":

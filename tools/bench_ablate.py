@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from taking_turns import Turns, results_in_turn
+from taking_turns import Turns, load_told, results_in_turn
 
 STUDY = [
     *("corridor_ccw", "--vary", "plane=plane.ica,plane.affine,plane.residual"),
@@ -66,5 +66,6 @@ def _cost(python: Path, jobs: int, study: Iterable[str] = STUDY) -> Cost:
 
 
 if __name__ == "__main__":
-    other = Path(sys.argv[1]) if len(sys.argv) > 1 else None
-    print({name: round(value, 2) for name, value in measure(old=other).items()})
+    with load_told():
+        other = Path(sys.argv[1]) if len(sys.argv) > 1 else None
+        print({name: round(value, 2) for name, value in measure(old=other).items()})

@@ -6,7 +6,7 @@ import sys
 from typing import Any
 
 import numpy as np
-from taking_turns import Turns, take_turns, timed
+from taking_turns import Turns, load_told, take_turns, timed
 
 from graphnav.core.codec import decode, encode
 from graphnav.core.messages import Flow, Message, State, Twist
@@ -63,4 +63,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with load_told():
+        sys.exit(main())

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from taking_turns import Ratio, results_in_turn
+from taking_turns import Ratio, load_told, results_in_turn
 from testbed.drives import GRAPHNAV
 
 SIZES = {19_200: (120, 160), 76_800: (240, 320), 307_200: (480, 640), 921_600: (720, 1280)}
@@ -84,4 +84,5 @@ def _told(found: Ratio) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 7))
+    with load_told():
+        sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 7))

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import AsyncVectorEnv
-from taking_turns import Turns, take_turns
+from taking_turns import Turns, load_told, take_turns
 
 import graphnav
 from graphnav.arrays import Doubles
@@ -122,4 +122,5 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with load_told():
+        sys.exit(main())

@@ -22,7 +22,7 @@ from graphnav_flow.dis import Dis
 from graphnav_flow.farneback import Farneback
 from graphnav_flow.lucas_kanade import LucasKanade
 from graphnav_world.world import Pymunk
-from taking_turns import Ratio, Turns, take_turns, timed
+from taking_turns import Ratio, Turns, load_told, take_turns, timed
 from testbed.flows import flow_from
 
 from graphnav import Finished, Image, Latest, Stage, Stamp, Truth, Twist
@@ -164,4 +164,5 @@ def main(first_seed: int = 0, seeds: int = 10) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    with load_told():
+        main(*map(int, sys.argv[1:]))

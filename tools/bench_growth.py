@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import cv2
+from taking_turns import load_told
 from threadpoolctl import threadpool_limits
 
 from graphnav.core.catalog import Catalog
@@ -237,4 +238,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with load_told():
+        main()

@@ -32,7 +32,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import lcm
-from taking_turns import results_in_turn
+from taking_turns import load_told, results_in_turn
 from testbed.drives import GRAPHNAV
 from testbed.processes import await_listeners
 from testbed.rig import Rig
@@ -257,4 +257,5 @@ def keeps_up() -> bool:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with load_told():
+        sys.exit(main())

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from taking_turns import results_in_turn
+from taking_turns import load_told, results_in_turn
 
 from graphnav.core.bus import Bus
 from graphnav.core.codec import decode, encode
@@ -111,4 +111,8 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    drive() if sys.argv[1:] == ["drive"] else main()
+    if sys.argv[1:] == ["drive"]:
+        drive()
+    else:
+        with load_told():
+            main()

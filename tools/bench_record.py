@@ -21,6 +21,7 @@ from pathlib import Path
 
 import lcm
 import numpy as np
+from taking_turns import load_told
 from testbed.drives import GRAPHNAV
 from testbed.processes import await_listeners
 from testbed.terminal import HAS_TMUX, SpyTerminal
@@ -205,4 +206,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with load_told():
+        sys.exit(main())

@@ -16,7 +16,7 @@ from graphnav_world.rendering.film import Film
 from graphnav_world.rendering.placed_faces import Placed
 from graphnav_world.rendering.render import Frame, Renderer
 from graphnav_world.rendering.textures import Texture
-from taking_turns import Ratio, take_turns, timed
+from taking_turns import Ratio, load_told, take_turns, timed
 
 from graphnav.arrays import Bytes
 
@@ -112,4 +112,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with load_told():
+        main()

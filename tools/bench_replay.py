@@ -6,6 +6,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from taking_turns import load_told
+
 from graphnav import Recording
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Override, load_graph
@@ -41,4 +43,5 @@ def measure(until_s: float = UNTIL_S, play: tuple[str, ...] = PLAY) -> dict[str,
 
 
 if __name__ == "__main__":
-    print({name: round(value, 3) for name, value in measure().items()})
+    with load_told():
+        print({name: round(value, 3) for name, value in measure().items()})

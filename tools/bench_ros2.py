@@ -25,6 +25,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+from taking_turns import load_told
 from testbed.drives import GRAPHNAV
 from testbed.ros_peer import LOOPBACK
 
@@ -172,4 +173,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with load_told():
+        main()

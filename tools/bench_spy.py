@@ -17,6 +17,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from taking_turns import load_told
+
 GRAPHNAV = str(Path(sysconfig.get_path("scripts")) / "graphnav")
 GRAPH = "corridor_ccw"
 LIMIT = 0.15
@@ -97,4 +99,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    with load_told():
+        raise SystemExit(main())

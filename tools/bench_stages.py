@@ -163,5 +163,8 @@ if __name__ == "__main__":
     elif mode == "time":
         print(json.dumps(step_ms(Path(where)), indent=1))
     else:
-        for name, share in measure(Path(where), *map(int, rest)).items():
-            print(f"{name:18} {share}")
+        from taking_turns import load_told
+
+        with load_told():
+            for name, share in measure(Path(where), *map(int, rest)).items():
+                print(f"{name:18} {share}")

@@ -8,7 +8,7 @@ import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 
-from taking_turns import Turns, take_turns, timed
+from taking_turns import Turns, load_told, take_turns, timed
 
 GRAPHNAV = Path(sysconfig.get_path("scripts")) / "graphnav"
 OURS, BARE = "graphnav --help", "python -c pass"
@@ -34,4 +34,5 @@ def main(rounds: int = 15) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    with load_told():
+        main(*map(int, sys.argv[1:]))

@@ -17,7 +17,7 @@ from typing import Any
 
 import lcm
 from hand_written_loop import HandWrittenLoop
-from taking_turns import take_turns, timed
+from taking_turns import load_told, take_turns, timed
 
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Graph, load_graph
@@ -212,4 +212,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with load_told():
+        main()

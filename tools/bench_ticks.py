@@ -28,7 +28,7 @@ import numpy as np
 import yaml  # noqa: TID251 - a graph is copied without a stage; its places do not matter
 from graphnav_world.world import Pymunk
 from reference_version import ROOT, reference_python
-from taking_turns import Ratio, Turns, results_in_turn
+from taking_turns import Ratio, Turns, load_told, results_in_turn
 
 from graphnav import Latest, Stamp, Twist
 from graphnav.core.machine.threads import ONE_THREAD
@@ -42,7 +42,7 @@ ROUNDS_OF_PART = 10
 """Turns of which the slowest of a hundred ticks is told to say how much it varies."""
 VIDEO_SIZE = (320, 240)
 VIDEO_FRAMES = 200
-_GRAPHS = Path("graphs") / "graphnav_graphs"
+GRAPHS = Path("graphs") / "graphnav_graphs"
 _WARM_UP_TURNS = 2
 _CLOCKS: tuple[Literal["wall_s", "cpu_s"], ...] = ("wall_s", "cpu_s")
 
@@ -80,18 +80,18 @@ def measure(rounds: int = 40) -> Iterator[Speed]:
     """Yield the speeds one after another."""
     python = reference_python()
     with tempfile.TemporaryDirectory() as scratch:
-        old = _copied(python.parents[2] / "source" / _GRAPHS, Path(scratch) / "old")
-        new = _copied(ROOT / _GRAPHS, Path(scratch) / "new")
+        old = copied_graphs(python.parents[2] / "source" / GRAPHS, Path(scratch) / "old")
+        new = copied_graphs(ROOT / GRAPHS, Path(scratch) / "new")
         video = Path(scratch) / "drive.mp4"
-        _film(video)
+        film(video)
         for graph, floor in (("corridor_ccw", 1.7), ("pillars", 1.7)):
-            bare = _without_scores(old / f"{graph}.yaml"), _without_scores(new / f"{graph}.yaml")
+            bare = without_scores(old / f"{graph}.yaml"), without_scores(new / f"{graph}.yaml")
             yield _compared(f"{graph} as a robot runs it", python, *bare, rounds, 2.0)
             yield _compared(f"{graph} with scores", python, old / f"{graph}.yaml", new / f"{graph}.yaml", rounds, floor)
             unguarded = _without_guard(bare[1])
             yield _compared("  without scores, without the guard", python, bare[0], unguarded, rounds, None)
             yield _compared("  without scores, truth made", python, bare[0], _with_truth(bare[1]), rounds, None)
-        films = [_filmed(folder / "video_plane.yaml", video) for folder in (old, new)]
+        films = [filmed(folder / "video_plane.yaml", video) for folder in (old, new)]
         yield _compared(f"video_plane, {VIDEO_SIZE[0]}x{VIDEO_SIZE[1]}", python, films[0], films[1], rounds, 1.2)
     yield from _navigate(rounds)
 
@@ -100,8 +100,8 @@ def _navigate(rounds: int) -> Iterator[Speed]:
     """Yield the median and the slowest of a hundred ticks of the graph `navigate`, against 0.7.1."""
     python = reference_python(NAVIGATE_REFERENCE)
     with tempfile.TemporaryDirectory() as scratch:
-        old = _copied(python.parents[2] / "source" / _GRAPHS, Path(scratch) / "old")
-        new = _copied(ROOT / _GRAPHS, Path(scratch) / "new")
+        old = copied_graphs(python.parents[2] / "source" / GRAPHS, Path(scratch) / "old")
+        new = copied_graphs(ROOT / GRAPHS, Path(scratch) / "new")
         found = _turns(python, old / "navigate.yaml", new / "navigate.yaml", rounds)
     for name, percent, limit in (("median", 50, 2.0), ("slowest of 100", 99, 3.0)):
         old_ms, new_ms = (1e3 * _percentile(found[version], percent) for version in ("old", "new"))
@@ -135,14 +135,14 @@ def _compared(name: str, python: Path, old: Path, new: Path, rounds: int, limit:
 def _turns(python: Path, old: Path, new: Path, rounds: int) -> dict[str, list[Turn]]:
     """Return the turns of each version, old and new."""
     with ExitStack() as stack:
-        then = stack.enter_context(_ticker(str(python), old))
-        now = stack.enter_context(_ticker(sys.executable, new))
-        rivals = {"old": partial(_turn, then), "new": partial(_turn, now)}
+        then = stack.enter_context(ticker(str(python), old))
+        now = stack.enter_context(ticker(sys.executable, new))
+        rivals = {"old": partial(ticked, then), "new": partial(ticked, now)}
         return results_in_turn(rivals, rounds, warm_up=_WARM_UP_TURNS)
 
 
 @contextmanager
-def _ticker(python: str, graph: Path) -> Iterator[subprocess.Popen[str]]:
+def ticker(python: str, graph: Path) -> Iterator[subprocess.Popen[str]]:
     """Start a process that ticks a graph by turns, all of them on one core."""
     command = [python, "-P", str(Path(__file__).with_name("tick_turns.py")), str(graph), f"{graph}.lcmlog", str(SEED)]
     with subprocess.Popen(
@@ -158,7 +158,7 @@ def _ticker(python: str, graph: Path) -> Iterator[subprocess.Popen[str]]:
     Path(f"{graph}.lcmlog").unlink()
 
 
-def _turn(process: subprocess.Popen[str]) -> Turn:
+def ticked(process: subprocess.Popen[str]) -> Turn:
     """Return the times of the ticks of a turn."""
     assert process.stdin is not None
     assert process.stdout is not None
@@ -168,12 +168,13 @@ def _turn(process: subprocess.Popen[str]) -> Turn:
     return turn
 
 
-def _copied(graphs: Path, folder: Path) -> Path:
+def copied_graphs(graphs: Path, folder: Path) -> Path:
     """Return a copy of the shipped graphs, in which variants can stand beside what they name."""
     return Path(shutil.copytree(graphs, folder))
 
 
-def _without_scores(graph: Path) -> Path:
+def without_scores(graph: Path) -> Path:
+    """Return a copy of a graph as a robot runs it."""
     kept = _read(graph)
     kept["stages"] = {name: stage for name, stage in kept["stages"].items() if not stage["use"].startswith("score.")}
     return _written(kept, graph, "bare")
@@ -192,7 +193,8 @@ def _with_truth(graph: Path) -> Path:
     return _written(kept, graph, "truth")
 
 
-def _filmed(graph: Path, video: Path) -> Path:
+def filmed(graph: Path, video: Path) -> Path:
+    """Return a copy of `video_plane` that reads a video of `film`."""
     kept = _read(graph)
     camera = kept["stages"]["camera"]["with"]
     camera["path"] = str(video)
@@ -211,9 +213,9 @@ def _written(graph: Mapping[str, Any], source: Path, label: str) -> Path:
     return path
 
 
-def _film(path: Path) -> None:
+def film(path: Path) -> None:
     """Film a drive along the corridor, which turns gently."""
-    world = Pymunk(map=ROOT / _GRAPHS / "maps" / "corridor_ccw.yaml", size=VIDEO_SIZE)
+    world = Pymunk(map=ROOT / GRAPHS / "maps" / "corridor_ccw.yaml", size=VIDEO_SIZE)
     world.reset(SEED)
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, VIDEO_SIZE, isColor=False)
     for k in range(VIDEO_FRAMES):
@@ -235,4 +237,5 @@ def main(rounds: int = 40) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*map(int, sys.argv[1:])))
+    with load_told():
+        sys.exit(main(*map(int, sys.argv[1:])))

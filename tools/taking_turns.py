@@ -8,9 +8,11 @@ pytest-benchmark and asv measure one rival after the other: where the machine sl
 from __future__ import annotations
 
 import math
+import os
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import TypeVar
@@ -83,3 +85,18 @@ def timed(act: Callable[[], object], clock: Clock = time.perf_counter, times: in
         return (clock() - begin) / times
 
     return cost
+
+
+@contextmanager
+def load_told() -> Iterator[None]:
+    """Print the machine's load before and after a benchmark: what else ran is in every wall time."""
+
+    def told(when: str) -> None:
+        averages = ", ".join(f"{load:.2f}" for load in os.getloadavg())
+        print(f"load {when}: {averages} (1, 5, 15 min) on {os.cpu_count()} cores, {len(os.sched_getaffinity(0))} ours")
+
+    told("before")
+    try:
+        yield
+    finally:
+        told("after")

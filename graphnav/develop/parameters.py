@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from typing import Literal, get_args
 
 from graphnav.core.parameters import Parameter
@@ -25,3 +26,13 @@ FUNCTIONS = Parameter(
     doc="Also sample the functions inside of the steps, for the flame graph; needs pyinstrument.",
 )
 """The command samples them wherever it draws a flame graph and can."""
+
+
+def percent(text: str) -> float:
+    """Parse a share of a core: from 1 to 100 percent."""
+    try:
+        if 1 <= (value := float(text.removesuffix("%"))) <= 100:
+            return value
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"'{text}' is not a share of a core, from 1 to 100 percent")

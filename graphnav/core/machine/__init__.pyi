@@ -3,6 +3,7 @@
 from .camera_devices import CameraDevice, CameraMode, cameras
 from .clock_words import NOTABLE_OFFSET_S, SET_ALIKE, offset_text, set_text, side_text, span_text
 from .console import Console
+from .cpu_quota import CpuQuota
 from .escaped_streams import escaped_output
 from .extras import import_extra, import_pandas, install_command, requirements_of
 from .files import is_own, open_regular, path_aside, read_json, write_atomically
@@ -25,6 +26,7 @@ __all__ = [
     "CameraDevice",
     "CameraMode",
     "Console",
+    "CpuQuota",
     "ReceiveBuffer",
     "TerminalGraphics",
     "cameras",

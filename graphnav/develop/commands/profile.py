@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ from graphnav.core.api import Shared
 from graphnav.core.cli import CommandArguments, Exit, FailureReport, Options
 from graphnav.core.notices import print_notice
 from graphnav.core.parameters import Parameter, command, flag
-from graphnav.develop.parameters import CLOCK
+from graphnav.develop.parameters import CLOCK, percent
 
 if TYPE_CHECKING:
     from graphnav import Graph, Stage
@@ -37,6 +38,14 @@ if TYPE_CHECKING:
         metavar="FILE.svg",
         help="draw a flame graph; with pyinstrument installed also of the functions inside of the steps",
     ),
+    flag("fit", "--fit", "also run with larger and larger pictures: which size fits the graph's rate"),
+    Parameter(
+        "budget",
+        "--budget",
+        type=percent,
+        metavar="PERCENT",
+        help="as --fit, on so many percent of one core: what fits on a smaller computer; a quota of Linux",
+    ),
     Shared.FOLDER.but(help="keep the run folder, new or empty (default: temporary)"),
     flag("sort", "--sort", "stages and channels that take longest first (default: in firing order)"),
     Options.JSON,
@@ -45,12 +54,20 @@ if TYPE_CHECKING:
 def main(args: CommandArguments) -> int:
     """Run the command."""
     from graphnav.core.machine import Console
-    from graphnav.develop.profiling import NothingMeasuredError, functions_missing, print_profile, refuse_live
+    from graphnav.develop.profiling import (
+        NothingMeasuredError,
+        functions_missing,
+        measure_fit,
+        print_profile,
+        refuse_live,
+    )
 
     _, graph = args.load_graph()
     refuse_live(graph)
     if args.flame is not None:
         _check_file(args.flame)
+    if args.budget is not None:
+        _check_budget(args)
     stages = graph.make_stages()
     for notice in args.notices_of(graph):
         print_notice(notice)
@@ -60,13 +77,17 @@ def main(args: CommandArguments) -> int:
     try:
         with _folder(args.folder, graph) as folder:
             profile = _measure(args, graph, stages, folder, report)
+        wants_fit = (args.fit or args.budget is not None) and not profile.failure and profile.outcome != "stopped"
+        fit = measure_fit(graph, args.clock, args.budget, print_notice) if wants_fit else None
     except NothingMeasuredError as error:
         report.print(str(error))
         return Exit.INTERRUPTED if error.outcome == "stopped" else Exit.FAILED
     if args.json:
-        print(json.dumps(profile.as_json()))
+        print(json.dumps(profile.as_json() | ({} if fit is None else {"fit": asdict(fit)})))
     else:
         print_profile(Console(highlight=False, soft_wrap=True), profile, slowest_first=args.sort)
+        if fit is not None:
+            print(fit)
     if args.flame is not None:
         _write(args.flame, profile)
     if profile.failure:
@@ -113,6 +134,16 @@ def _folder(wanted: Path | None, graph: Graph) -> Iterator[Path]:
     folder = make_run_folder(wanted, graph.path.stem)
     with removed_if_empty(folder):
         yield folder
+
+
+def _check_budget(args: CommandArguments) -> None:
+    """Refuse a share of a core that cannot be measured, before the run."""
+    from graphnav.core.machine import CpuQuota
+
+    if args.clock != "wall":
+        raise UserError.of("--budget is measured by wall time", "leave out --clock cpu")
+    with CpuQuota(args.budget):
+        pass
 
 
 def _check_file(path: Path) -> None:
