@@ -7,6 +7,7 @@ what needs it take as long to load as all of ``graphnav --help``. A name is hidd
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from importlib import import_module
 
@@ -38,7 +39,9 @@ def exports(package: str, file: str, *defined: str) -> tuple[Callable[[str], obj
         module = read().get(name)
         if module is None:
             raise AttributeError(f"module '{package}' has no attribute '{name}'", name=name)
-        return getattr(import_module(module, package), name)
+        value = getattr(import_module(module, package), name)
+        setattr(sys.modules[package], name, value)  # the next use finds it without asking here
+        return value
 
     def names() -> list[str]:
         return [*defined, *read()]

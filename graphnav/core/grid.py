@@ -34,9 +34,8 @@ def coarsen(flow: Flow, step_px: int) -> Flow:
         return flow
     if flow.uv_px.flags.writeable or flow.valid.flags.writeable:
         return _coarsened(flow, factor)
-    return _coarser.of(
-        (flow.uv_px, flow.valid), (flow.interval_us, step_px), lambda: _read_only(_coarsened(flow, factor))
-    )
+    of = flow.interval_us, flow.step_px, step_px
+    return _coarser.of((flow.uv_px, flow.valid), of, lambda: _read_only(_coarsened(flow, factor)))
 
 
 def _read_only(flow: Flow) -> Flow:

@@ -18,7 +18,7 @@ COARSE_LAYER = 2
 _NOISE_GRADIENT = 0.26
 """Variance of the mean gradient of two images that show only noise, in units of the squared difference between
 them: 0.23 by the derivative's kernel, and what a window of 81 pixels adds by chance."""
-_INDEPENDENT_RATIO = 3.5
+_INDEPENDENT_RATIO = 3.0
 """Pixels that count as independent, per pixel of a window: the vectors of a box of windows are averaged."""
 _COARSE_WEIGHT = 0.05
 """By which the information of the coarse layer counts: what the base has none of is taken from above it, once."""
@@ -58,8 +58,8 @@ class Deviation:
     def predict_px(self, solved: Sequence[Refinement], pyramid: Pyramid, rough: Floats, smooth: Floats) -> Floats:
         """Return the deviation on blocks of ``STEP_PX``, float32 (rows, cols), px.
 
-        ``solved``: that of each layer of ``pyramid``, the base first, after the last iteration. ``rough``, ``smooth``:
-        the flow before and after its average, (rows, cols, 2).
+        ``solved``: that of each layer of ``pyramid``, the base first, after the last iteration. ``rough``: the
+        flow before its average, at every second pixel, ``smooth``: after it, (rows, cols, 2).
         """
         smaller, larger = _information(solved[0], STEP_PX)
         if len(solved) > COARSE_LAYER:
@@ -71,7 +71,7 @@ class Deviation:
         floor = self._of_pixel / np.float32(_MAX_PX2)
         variance = self._of_pixel / np.maximum(smaller, floor) + self._of_pixel / np.maximum(larger, floor)
         blocks = np.s_[::STEP_PX, ::STEP_PX]
-        off = (rough[blocks] - smooth[blocks]).view(np.complex64)[..., 0]
+        off = (rough[:: STEP_PX // 2, :: STEP_PX // 2] - smooth[blocks]).view(np.complex64)[..., 0]
         variance += np.float32(_ROUGH_WEIGHT) * np.square(np.abs(off))
         mean = cv2.blur(variance, self._box)
         mean += np.float32(_MIN_PX2)

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from graphnav.arrays import Bytes, Floats
+from graphnav_flow.normalization import Normalization
 
 MIN_SIDE_PX = 8
 """A layer is not halved if its shorter side would fall below this: no window fits."""
@@ -29,17 +30,27 @@ class Pyramid:
         while len(self.layers) <= layers and min(rows, cols) >= 2 * MIN_SIDE_PX:
             rows, cols = (rows + 1) // 2, (cols + 1) // 2
             self.layers.append(np.empty((rows, cols), np.float32))
+        self._normalized: Pyramid | None = None
+        self._is_normalized = False
 
     def fill(self, gray: Bytes) -> None:
         """Write ``gray`` and its smaller copies to the layers."""
+        self._is_normalized = False
         self.layers[0][...] = gray
         for larger, smaller in zip(self.layers, self.layers[1:], strict=False):
             cv2.pyrDown(larger, smaller)
 
-    def copy(self, other: Pyramid) -> None:
-        """Take over the layers of a pyramid of the same size."""
-        for own, layer in zip(self.layers, other.layers, strict=True):
-            own[...] = layer
+    def normalized(self, normalization: Normalization) -> Pyramid:
+        """Return this frame with its layers normalized, which is done once, although two flows need it."""
+        if self._normalized is None:
+            rows, cols = self.layers[0].shape
+            self._normalized = Pyramid(rows, cols, len(self.layers) - 1)
+        if not self._is_normalized:
+            for own, layer in zip(self._normalized.layers, self.layers, strict=True):
+                own[...] = layer
+            normalization.normalize(self._normalized.layers)
+            self._is_normalized = True
+        return self._normalized
 
 
 class Doubling:

@@ -27,8 +27,12 @@ class Refinement:
     a linearly varying field, as that of a plane nearly is, a fixed point; a larger window would bias it toward texture.
     Where x - f0 leaves the source image, Jw - I is 0: the field is continued.
 
-    ``field``: float32 (2, rows, cols), u and v, also as ``planes``; the caller writes f0 and reads f there. Arguments
-    are positional, because parsing keywords takes as long as the work on a small layer.
+    Neighbouring windows share most of their pixels. With ``every`` = 2 the system is solved at every second pixel each
+    way: the products are averaged and thinned out first, and the window then is as wide as before.
+
+    ``field``: float32 (2, rows, cols), u and v, also as ``planes``; the caller writes f0 there. ``solved``: f, at one
+    pixel in ``every`` each way, two planes; with ``every`` = 1 those of ``field``. Arguments are positional, because
+    parsing keywords takes as long as the work on a small layer.
 
     Parameters
     ----------
@@ -40,10 +44,14 @@ class Refinement:
         e, in (gray / px)^2: pulls the correction to 0 where there is little texture.
     zoom
         Source pixels per target pixel (1 or 2); pixel i of the target lies on pixel ``zoom`` * i of the source.
+    every
+        1 or 2.
     """
 
-    def __init__(self, rows: int, cols: int, *, window_px: int, regularization_gray2: float, zoom: int) -> None:
-        self._regularization_gray2, self._zoom = regularization_gray2, zoom
+    def __init__(
+        self, rows: int, cols: int, *, window_px: int, regularization_gray2: float, zoom: int = 1, every: int = 1
+    ) -> None:
+        self._regularization_gray2, self._zoom, self._every = regularization_gray2, zoom, every
         down, right = np.mgrid[:rows, :cols].astype(np.float32)
         self._places = zoom * np.concatenate([right, down])
         # The planes of a field lie below each other in one image: half the calls.
@@ -51,20 +59,32 @@ class Refinement:
         self.field = self._field_lines.reshape(2, rows, cols)
         self.planes = tuple(self.field)
         self._map_u, self._map_v = self._map[:rows], self._map[rows:]
-        self._step = self._map.reshape(2, rows, cols)  # used when the map no longer is
-        self._warped, self._total, self._ratio = np.empty((3, rows, cols), np.float32)
+        self._warped, self._total = np.empty((2, rows, cols), np.float32)
         self._g = np.empty((2, rows, cols), np.float32)
         self._gu, self._gv = self._g
-        self._kernel = np.full((1, window_px), 1 / window_px, np.float32)
+        self._kernel = np.full((1, window_px), 1 / window_px, np.float32) if every == 1 else _thinned(window_px)
+        few_rows, few_cols = (-(-side // every) for side in (rows, cols))
+        self._start, self._step = self.field[:, ::every, ::every], np.empty((2, few_rows, few_cols), np.float32)
+        self.solved = self.planes if every == 1 else tuple(np.empty((2, few_rows, few_cols), np.float32))
+        self._ratio = np.empty((few_rows, few_cols), np.float32)
         # So do the products, apart by half a window of zeros: one filter sums several.
-        pitch = rows + window_px // 2
-        products, sums = np.zeros((3 * pitch, cols), np.float32), np.zeros((5 * pitch, cols), np.float32)
-        planes = products.reshape(3, pitch, cols)[:, :rows]
+        few_pitch = few_rows + self._kernel.size // 2 + every - 1
+        products = np.zeros((3 * every * few_pitch, cols), np.float32)
+        few = products if every == 1 else np.empty((3 * few_pitch, few_cols), np.float32)
+        sums = np.zeros((5 * few_pitch, few_cols), np.float32)
+        planes = products.reshape(3, every * few_pitch, cols)[:, :rows]
         self._squares, self._uv, self._gd = planes[:2], planes[0], planes[1:]
-        self._diagonal = products[: 2 * pitch], sums[: 2 * pitch]
-        self._others = products, sums[2 * pitch :]
-        self._right_side = products[pitch:], sums[3 * pitch :]
-        summed = sums.reshape(5, pitch, cols)[:, :rows]
+
+        def part(first: int, end: int, first_sum: int) -> tuple[Floats, Floats, Floats]:
+            pitch = every * few_pitch
+            return (
+                products[first * pitch : end * pitch],
+                few[first * few_pitch : end * few_pitch],
+                sums[first_sum * few_pitch :][: (end - first) * few_pitch],
+            )
+
+        self._diagonal, self._others, self._right_side = part(0, 2, 0), part(0, 3, 2), part(1, 3, 3)
+        summed = sums.reshape(5, few_pitch, few_cols)[:, :few_rows]
         self._uu_vv, self._ud_vd = summed[:2], summed[3:]
         self._sums = tuple(summed)
 
@@ -73,7 +93,7 @@ class Refinement:
 
         ``keep_tensor``: take the structure tensor sum g g' of the last call.
         """
-        self._warp(target, source)
+        self._warp(target, source, self._warped)
         self._linearize(target)
         if not keep_tensor:
             np.multiply(self._g, self._g, self._squares)
@@ -88,25 +108,33 @@ class Refinement:
     def statistics(self, every: int) -> tuple[Floats, Floats, Floats]:
         """Return what the last correction leaves, at one pixel in ``every`` each way, three float32 (rows, cols).
 
+        ``every``: a multiple of that of the solution.
+
         The mean squared difference between both images in the window, and half the sum and half the difference of the
         structure tensor's eigenvalues without the regularization. Only until the next call of `improve`.
         """
-        at = np.s_[::every, ::every]
+        at = np.s_[:: every // self._every, :: every // self._every]
         np.multiply(self._warped, self._warped, self._total)
-        cv2.sepFilter2D(self._total, -1, self._kernel, self._kernel, self._total, (-1, -1), 0.0, cv2.BORDER_CONSTANT)
+        squared = self._total if self._every == 1 else cv2.pyrDown(self._total)
+        cv2.sepFilter2D(squared, -1, self._kernel, self._kernel, squared, (-1, -1), 0.0, cv2.BORDER_CONSTANT)
         uu, vv, uv, ud, vd = (one[at].copy() for one in self._sums)
         du, dv = self._step[:, *at].copy()
-        left: Floats = self._total[at] - ud * du - vd * dv
+        left: Floats = squared[at] - ud * du - vd * dv
         # Undo `_decompose`.
         vv = vv - uv * self._ratio[at]
         half: Floats = (uu + vv) / 2 - np.float32(self._regularization_gray2)
         apart: Floats = np.hypot((uu - vv) / 2, uv)
         return left, half, apart
 
-    def _warp(self, target: Floats, source: Floats) -> None:
+    def warped(self, target: Floats, source: Floats) -> Floats:
+        """Return the source image by the field, the target where it leaves it, (rows, cols); until the next call."""
+        self._warp(target, source, self._total)
+        return self._total
+
+    def _warp(self, target: Floats, source: Floats, warped: Floats) -> None:
         cv2.addWeighted(self._field_lines, -self._zoom, self._places, 1.0, 0.0, self._map)
-        np.add(target, _ZERO, self._warped)
-        cv2.remap(source, self._map_u, self._map_v, cv2.INTER_LINEAR, self._warped, cv2.BORDER_TRANSPARENT)
+        np.add(target, _ZERO, warped)
+        cv2.remap(source, self._map_u, self._map_v, cv2.INTER_LINEAR, warped, cv2.BORDER_TRANSPARENT)
 
     def _linearize(self, target: Floats) -> None:
         """Write the mean gradient; from here on ``_warped`` holds Jw - I."""
@@ -115,8 +143,10 @@ class Refinement:
         cv2.filter2D(self._total, -1, _ALONG_COLUMN, self._gv)
         np.subtract(self._warped, target, self._warped)
 
-    def _sum_windows(self, products: Floats, sums: Floats, added: float = 0.0) -> None:
-        cv2.sepFilter2D(products, -1, self._kernel, self._kernel, sums, (-1, -1), added, cv2.BORDER_CONSTANT)
+    def _sum_windows(self, products: Floats, few: Floats, sums: Floats, added: float = 0.0) -> None:
+        if self._every > 1:
+            cv2.pyrDown(products, few)
+        cv2.sepFilter2D(few, -1, self._kernel, self._kernel, sums, (-1, -1), added, cv2.BORDER_CONSTANT)
 
     def _decompose(self) -> None:
         """Replace vv by vv - uv^2 / uu, for the elimination of du."""
@@ -125,9 +155,25 @@ class Refinement:
         cv2.accumulateProduct(uv, self._ratio, vv)
 
     def _correct(self) -> None:
-        """Add the solution of [[uu, uv], [uv, vv]] d = (ud, vd) to the field."""
+        """Write f, with the solution of [[uu, uv], [uv, vv]] d = (ud, vd)."""
         _, _, _, ud, vd = self._sums
         cv2.accumulateProduct(ud, self._ratio, vd)
         np.divide(self._ud_vd, self._uu_vv, self._step)
-        np.add(self.field, self._step, self.field)
-        cv2.accumulateProduct(self._ratio, self._step[1], self.field[0])
+        u, v = self.solved
+        np.add(self._start[0], self._step[0], u)
+        np.add(self._start[1], self._step[1], v)
+        cv2.accumulateProduct(self._ratio, self._step[1], u)
+
+
+def _thinned(window_px: int) -> Floats:
+    """Return a box for every second pixel, (1, side), that with pyrDown before it has a window's variance."""
+    width = max(((window_px**2 - 9) / 4) ** 0.5, 1.0)
+    return box(width)
+
+
+def box(width: float) -> Floats:
+    """Return a box of any width as a kernel of sum 1, (1, side), whose outer elements count in part."""
+    inner = 2 * int((width - 1) / 2) + 1
+    rest = (width - inner) / 2
+    kernel: Floats = (np.array([[rest, *[1] * inner, rest]]) / width).astype(np.float32)
+    return kernel

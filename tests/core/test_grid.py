@@ -50,8 +50,11 @@ def test_a_received_flow_is_coarsened_once() -> None:
     for field in (flow.uv_px, flow.valid):
         field.setflags(write=False)
     coarse = coarsen(flow, 4)
-    assert coarsen(flow, 4) is coarse
+    for reader in (flow, flow.twin()):
+        assert coarsen(reader, 4).uv_px is coarse.uv_px
     assert not coarse.uv_px.flags.writeable
+    assert coarsen(replace(flow, interval_us=1), 4).interval_us == 1
+    assert coarsen(replace(flow, valid=1 - flow.valid), 4).uv_px is not coarse.uv_px
     assert coarsen(flow, 2).step_px == 2
 
 

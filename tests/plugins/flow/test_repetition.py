@@ -29,7 +29,7 @@ def repeating(period_px: float, shift_px: float = 0.0) -> Doubles:
 
 def periods_px(picture: Doubles, seed: int = 0) -> Floats:
     noisy = picture + 3 * np.random.default_rng(seed).standard_normal(SHAPE)
-    return np.asarray(2**LAYER * Repetition._periods_px(cv2.pyrDown(noisy.astype(np.float32))))
+    return np.asarray(2**LAYER * Repetition().periods_px(cv2.pyrDown(noisy.astype(np.float32))))
 
 
 def moved(like: Pair, period_px: float, shift_px: float) -> Pair:
@@ -52,6 +52,13 @@ def test_the_period_is_found_in_every_part_of_the_picture(period_px: float) -> N
 def test_a_texture_without_a_period_has_none(sigma_px: float, seed: int) -> None:
     texture = cv2.GaussianBlur(np.random.default_rng(seed).standard_normal(SHAPE), (0, 0), sigma_px)
     assert np.isinf(periods_px(128 + 40 * texture / texture.std(), seed)).all()
+
+
+def test_a_pattern_that_comes_or_goes_is_noticed_within_three_pictures() -> None:
+    layers = [cv2.pyrDown(picture.astype(np.float32)) for picture in (np.full(SHAPE, 128.0), repeating(10.0))]
+    repetition = Repetition()
+    for layer, shares in ((layers[0], (0, 0, 0)), (layers[1], (1 / 3, 2 / 3, 1)), (layers[0], (2 / 3, 1 / 3, 0))):
+        assert [np.isfinite(repetition.periods_px(layer)).mean() for _ in shares] == pytest.approx(shares)
 
 
 @pytest.mark.parametrize("period_px", [12.0, 20.0])
