@@ -110,7 +110,7 @@ def _navigate(rounds: int) -> Iterator[Speed]:
 
 
 def _ratio(found: Mapping[str, Sequence[Turn]], percent: float) -> Ratio:
-    """Return the ratio of a percentile of all ticks, with the least and the largest of parts of the measurement."""
+    """Return the ratio of a percentile of all ticks, with the minimum and maximum of parts of the measurement."""
     parts = [
         {name: turns[k : k + ROUNDS_OF_PART] for name, turns in found.items()}
         for k in range(0, len(found["old"]), ROUNDS_OF_PART)

@@ -22,7 +22,7 @@ _EXACT_M = 1e-6
 """Costs are sums that are as exact as this."""
 _SPARE_M = 0.2
 _BEND = math.sqrt(2.0) - 1.0
-"""What a step to the side adds to a longer way forward."""
+"""Cells by which a step to the side makes a longer way forward longer."""
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _LENGTHS = np.array([1.0, math.sqrt(2.0), 1.0, math.sqrt(2.0), math.sqrt(2.0), 1.0, math.sqrt(2.0), 1.0])
 """Lengths in cells of the steps from a cell: to the right, to the row below, to the row above, to the left."""
