@@ -29,7 +29,7 @@ class Repetition:
     """Finds in each of six parts of a picture the shortest shift that leaves it the same.
 
     It looks at all parts of the first picture, and at a third of those of each later one: what it found in the others
-    still holds, since a floor changes its pattern seldom.
+    still holds, since a floor rarely changes its pattern.
     """
 
     def __init__(self) -> None:
