@@ -68,7 +68,7 @@ PEERS: Mapping[str, Peer] = {
 
 @dataclass(frozen=True)
 class Found:
-    """What one job gave: hops in µs, MB/s; how many were sent and arrived, at the rate and as fast as it goes."""
+    """The result of one job: hops in µs, MB/s; how many were sent and arrived, at the rate and as fast as it goes."""
 
     hops_us: Sequence[float]
     mb_s: float
@@ -80,7 +80,7 @@ class Found:
 
 
 All = Mapping[int, dict[tuple[str, str], list[Found]]]
-"""What was found, by size, and by name and buffers; one of each round."""
+"""The results, by size, and by name and buffers; one of each round."""
 
 
 def installed(peers: Sequence[str], environment: Path = ENVIRONMENT) -> tuple[dict[str, str], dict[str, str]]:
@@ -245,7 +245,7 @@ def main() -> int:
     parser.add_argument("--bytes", nargs="+", type=int, choices=SIZES, default=list(SIZES), help="sizes of a picture")
     parser.add_argument("--rounds", type=int, default=5, help="how often each takes its turn (default: %(default)s)")
     parser.add_argument("--markdown", action="store_true", help="print a table for the documentation")
-    parser.add_argument("--fresh", action="store_true", help="make the virtual environment anew")
+    parser.add_argument("--fresh", action="store_true", help="make the virtual environment again")
     args = parser.parse_args()
     if args.fresh:
         shutil.rmtree(ENVIRONMENT, ignore_errors=True)

@@ -68,6 +68,8 @@ class Catalog:
         self._files: dict[str, list[str]] = {}
         self._loaded: set[str] = set()
         self._registered: set[str] = set()
+        self._declared: set[str] = set()
+        """Stages whose declaration is right."""
         self._adapters: Adapters | None = None
         for point in sorted(entry_points(group=GROUP), key=lambda p: (p.name, p.value)):
             self._entry_points.setdefault(family_of(point), []).append(point)
@@ -131,6 +133,8 @@ class Catalog:
             The stage does not exist, its declaration is wrong, or a package of its family cannot be used.
         """
         family, dot, name = use.partition(".")
+        if use in self._declared:
+            return self._stages[family][name]
         if not dot:
             raise CatalogError(f"'{use}' does not name a stage", self._hint_without_family(use))
         if family not in self.families():
@@ -144,6 +148,7 @@ class Catalog:
         self.called(
             self._origins[use], f"the declaration of {use}", lambda: _check_declaration(cls, self._origins[use])
         )
+        self._declared.add(use)
         return cls
 
     def stage_with_ports(self, use: str, params: Mapping[str, Any]) -> type[Stage]:

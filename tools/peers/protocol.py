@@ -1,4 +1,4 @@
-"""What the programs that are compared share: pictures with stamp and number, their pacing, and what has arrived.
+"""Common to the programs that are compared: pictures with stamp and number, their pacing, and what has arrived.
 
 It needs numpy alone: the programs run where graphnav is not installed. ``python -m peers.NAME FOLDER ROLE`` takes the
 job from ``FOLDER/job.json``; its roles are ``hear`` and ``send``, or ``both`` where the library starts the processes
@@ -32,7 +32,7 @@ _PATIENCE_S = 8.0
 
 @dataclass(frozen=True)
 class Job:
-    """What is sent; ``large``: with the large buffers that the library offers; ``number``: free for names and ports."""
+    """The pictures to send; ``large``: with the large buffers of the library; ``number``: free for names and ports."""
 
     rows: int
     cols: int

@@ -3,7 +3,7 @@
 from graphnav.core.graph.change import GraphChange, changed_graph, restarted_graph
 from graphnav.core.graph.find import find_graph, shipped_folder, shipped_graphs, suggest_graph
 from graphnav.core.graph.graph import Graph
-from graphnav.core.graph.load import graph_of, load_graph, outline_of_file
+from graphnav.core.graph.load import ReadGraph, graph_of, load_graph, outline_of_file, read_graph
 from graphnav.core.graph.node import Channel, Input, InputChannel, Node, OutputChannel, Part
 from graphnav.core.graph.overrides.override import Override
 from graphnav.core.graph.overrides.target import Target
@@ -26,6 +26,7 @@ __all__ = [
     "OutputChannel",
     "Override",
     "Part",
+    "ReadGraph",
     "RunOptions",
     "Target",
     "beside",
@@ -38,6 +39,7 @@ __all__ = [
     "outline_of_file",
     "part_of",
     "part_yaml",
+    "read_graph",
     "resolve_paths",
     "resolved_yaml",
     "restarted_graph",

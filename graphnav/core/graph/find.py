@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib.resources
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 
 from graphnav.core.errors import Hint, Place, Suggestion, UserError, did_you_mean
@@ -19,12 +20,14 @@ _NO_GRAPHS = ("maps", _PARTS, _STUDIES)
 """Folders of the data package whose YAML files are no graphs."""
 
 
+@cache
 def shipped_folder() -> Path:
     """Return the folder of the data that ships."""
     return Path(str(importlib.resources.files(SHIPPED)))
 
 
-def shipped_graphs() -> dict[str, Path]:
+@cache
+def shipped_graphs() -> Mapping[str, Path]:
     """Return the graphs that ship, by name: that of a graph in a folder is ``folder/name``."""
     folder = shipped_folder()
     in_folders = (path for path in sorted(folder.glob("*/*.yaml")) if path.parent.name not in _NO_GRAPHS)
@@ -32,7 +35,8 @@ def shipped_graphs() -> dict[str, Path]:
     return {path.relative_to(folder).with_suffix("").as_posix(): path for path in paths}
 
 
-def shipped_parts() -> dict[str, Path]:
+@cache
+def shipped_parts() -> Mapping[str, Path]:
     """Return the parts of graphs that ship, by name: ``parts/name``."""
     folder = shipped_folder()
     return {f"{_PARTS}/{path.stem}": path for path in sorted((folder / _PARTS).glob("*.yaml"))}
@@ -46,11 +50,12 @@ def find_graph(name: str | Path, folder: Path = Path()) -> Path:
     UserError
         There is none.
     """
-    path, shipped = folder / name, {**shipped_graphs(), **shipped_parts()}
+    path = folder / name
     candidates = [path] if path.suffix in _SUFFIXES else [path, *(Path(f"{path}{suffix}") for suffix in _SUFFIXES)]
     for candidate in candidates:
         if _exists(candidate) and not candidate.is_dir():
             return candidate
+    shipped = {**shipped_graphs(), **shipped_parts()}
     if str(name) in shipped:
         return shipped[str(name)]
     if _exists(path) and path.is_dir():

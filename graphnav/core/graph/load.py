@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from graphnav.core.catalog import Catalog
@@ -15,7 +15,7 @@ from graphnav.core.graph.overrides.override import Override
 from graphnav.core.graph.overrides.swap import apply_overrides
 from graphnav.core.graph.read.extend import merge_files, rewire_merged
 from graphnav.core.graph.read.graph_files import read_files
-from graphnav.core.graph.read.plugin_files import load_plugins
+from graphnav.core.graph.read.plugin_files import Plugins, load_plugins
 from graphnav.core.run_folder import is_graph_of_run
 from graphnav.core.spec import Spec, outline, parse_spec, read_bytes
 from graphnav.core.stage import Stage, params_of
@@ -41,20 +41,22 @@ def load_graph(
     UserError
         Everything that is wrong with the graph and the overrides.
     """
+    found = read_graph(path_or_name, catalog, problems)
+    return found.variant(overrides, partial=partial, makes_stages=makes_stages)
+
+
+def read_graph(path_or_name: str | Path, catalog: Catalog, problems: Sequence[Problem] = ()) -> ReadGraph:
+    """Read the file of a graph and those that it extends, for `load_graph` of one or several of its variants.
+
+    Raises
+    ------
+    UserError
+        A file cannot be read, is not YAML or extends nothing that is there, or a plugin cannot be used.
+    """
     path = find_graph(path_or_name)
     source = shown_path(path)
-    data, is_record = read_bytes(path, Place(source)), is_graph_of_run(path)
-    return graph_of(
-        data,
-        path,
-        catalog,
-        overrides,
-        source,
-        problems=problems,
-        is_record=is_record,
-        partial=partial,
-        makes_stages=makes_stages,
-    )
+    data = read_bytes(path, Place(source))
+    return ReadGraph.of(data, path, catalog, source, problems=problems, is_record=is_graph_of_run(path))
 
 
 def graph_of(
@@ -67,44 +69,98 @@ def graph_of(
     problems: Sequence[Problem] = (),
     *,
     is_record: bool = False,
-    partial: bool = False,
-    makes_stages: bool = False,
     prunes: bool = True,
 ) -> Graph:
     """Return the checked graph in the bytes of the file ``path``; errors name it ``source``.
 
-    ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
-    ``is_record``: whether a run wrote it, maybe with an older version: old names of parameters are accepted.
-    ``partial``: as of `load_graph`. ``makes_stages``: whether a graph with errors gets those of its stages too
-    (`Graph.stage_problems`). ``prunes``: whether stages that swaps leave unread are removed.
+    ``replaced``, ``is_record``: as of `ReadGraph.of`; ``prunes``: as of `ReadGraph.variant`.
 
     Raises
     ------
     UserError
         Everything that is wrong with it.
     """
-    problems, notices, file_notices = list(problems), list[str](), list[str]()
-    files = read_files(data, path, source or str(path), problems)
-    unusable: list[Problem] = []
-    plugins = load_plugins(files, catalog, unusable, replaced)
-    merged = merge_files(files, catalog, problems, file_notices)
-    spec, more = parse_spec(merged.value)
-    problems += more + unusable
-    if unusable:
-        raise UserError(
-            _without_repetitions([*problems, *plugins.left_out])
-        )  # what their stages lack is not worth telling
-    spec.folders = {file.source: file.path.parent for file in files}
-    if is_record:
-        _accept_old_names(spec, classes_of(spec, catalog, []))
-    rewire_merged(spec, merged, catalog, problems, file_notices)
-    spec = apply_overrides(spec, overrides, catalog, problems, notices, prunes=prunes)
-    graph = check(spec, catalog, path, problems, notices, plugins.left_out)
-    if problems or (plugins.left_out and not partial):
-        more = graph.stage_problems() if makes_stages else []
-        raise UserError(_without_repetitions([*problems, *more, *plugins.left_out]))
-    paths, written = tuple(plugin.path for plugin in plugins.loaded), tuple(p.written for p in plugins.loaded)
-    return replace(graph, plugins=paths, written_plugins=written, file_notices=tuple(file_notices))
+    found = ReadGraph.of(data, path, catalog, source or str(path), replaced, problems, is_record=is_record)
+    return found.variant(overrides, prunes=prunes)
+
+
+@dataclass(frozen=True)
+class ReadGraph:
+    """A graph's files, read and merged once; what is wrong with them is reported with each variant."""
+
+    path: Path
+    catalog: Catalog
+    spec: Spec
+    plugins: Plugins
+    problems: Sequence[Problem]
+    file_notices: Sequence[str]
+
+    @classmethod
+    def of(
+        cls,
+        data: bytes,
+        path: Path,
+        catalog: Catalog,
+        source: str,
+        replaced: Collection[str] = (),
+        problems: Sequence[Problem] = (),
+        *,
+        is_record: bool = False,
+    ) -> ReadGraph:
+        """Read the bytes of the file ``path``, which errors name ``source``, and the files that it extends.
+
+        ``replaced``: the file names of plugins that are not loaded, because the catalog holds what takes their place.
+        ``is_record``: whether a run wrote it, maybe with an older version: old names of parameters are accepted.
+
+        Raises
+        ------
+        UserError
+            A file cannot be read, is not YAML or extends nothing that is there, or a plugin cannot be used.
+        """
+        problems, notices = list(problems), list[str]()
+        files = read_files(data, path, source, problems)
+        unusable: list[Problem] = []
+        plugins = load_plugins(files, catalog, unusable, replaced)
+        merged = merge_files(files, catalog, problems, notices)
+        spec, more = parse_spec(merged.value)
+        problems += more + unusable
+        if unusable:
+            raise UserError(
+                _without_repetitions([*problems, *plugins.left_out])
+            )  # what their stages lack is not worth telling
+        spec.folders = {file.source: file.path.parent for file in files}
+        if is_record:
+            _accept_old_names(spec, classes_of(spec, catalog, []))
+        rewire_merged(spec, merged, catalog, problems, notices)
+        return cls(path, catalog, spec, plugins, problems, notices)
+
+    def variant(
+        self,
+        overrides: Sequence[Override] = (),
+        *,
+        partial: bool = False,
+        makes_stages: bool = False,
+        prunes: bool = True,
+    ) -> Graph:
+        """Return the checked graph with overrides.
+
+        ``partial``: as of `load_graph`. ``makes_stages``: whether a graph with errors gets those of its stages too
+        (`Graph.stage_problems`). ``prunes``: whether stages that swaps leave unread are removed.
+
+        Raises
+        ------
+        UserError
+            Everything that is wrong with it.
+        """
+        problems, notices, left_out = list(self.problems), list[str](), self.plugins.left_out
+        spec = apply_overrides(self.spec.copied(), overrides, self.catalog, problems, notices, prunes=prunes)
+        graph = check(spec, self.catalog, self.path, problems, notices, left_out)
+        if problems or (left_out and not partial):
+            more = graph.stage_problems() if makes_stages else []
+            raise UserError(_without_repetitions([*problems, *more, *left_out]))
+        loaded = self.plugins.loaded
+        paths, written = tuple(plugin.path for plugin in loaded), tuple(plugin.written for plugin in loaded)
+        return replace(graph, plugins=paths, written_plugins=written, file_notices=tuple(self.file_notices))
 
 
 def outline_of_file(path: Path) -> Spec:

@@ -6,6 +6,7 @@ import os
 import re
 import types
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Union, get_args, get_origin
 
@@ -15,6 +16,7 @@ _URL = re.compile(r"[a-z][a-z0-9+.-]*:/")
 _GLOB = re.compile(r"[*?\[]")
 
 
+@cache
 def has_path(kind: Any) -> bool:
     """Return whether values of a parameter's type may be paths."""
     return kind is Path or any(has_path(member) for member in get_args(kind))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -56,6 +56,17 @@ class StageSpec:
     """Inputs that are known to be open, which has been said."""
     unclear: bool = False
     """Whether a key is unknown, or ``in`` or ``with`` is not a mapping: entries that seem missing may be in it."""
+
+    def copied(self) -> StageSpec:
+        """Return the same stage, whose changes leave this one as it is."""
+        return replace(
+            self,
+            params=dict(self.params),
+            wires=dict(self.wires),
+            times=dict(self.times),
+            wire_notes=dict(self.wire_notes),
+            unwired=set(self.unwired),
+        )
 
 
 @dataclass
@@ -136,6 +147,19 @@ class Spec:
     """None: the graph does not say."""
     folders: dict[str, Path] = field(default_factory=dict)
     """The folder of each file of the graph, by the file's name in places: paths are relative to it."""
+
+    def copied(self) -> Spec:
+        """Return the same graph, whose changes leave this one as it is."""
+        return replace(
+            self,
+            run=dict(self.run),
+            stages={name: stage.copied() for name, stage in self.stages.items()},
+            channels=dict(self.channels),
+            outputs=dict(self.outputs),
+            queues=dict(self.queues),
+            deploy={name: replace(part, stages=list(part.stages)) for name, part in self.deploy.items()},
+            folders=dict(self.folders),
+        )
 
 
 def parse_spec(value: Value) -> tuple[Spec, list[Problem]]:

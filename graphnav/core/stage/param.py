@@ -8,7 +8,7 @@ import re
 import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -69,6 +69,11 @@ class Param:
         for number in _numbers(parsed):
             self._check_bounds(number)
         return parsed
+
+    @cached_property
+    def parsed_default(self) -> Any:
+        """The default as the declared type; raises ParamError as `parse` does."""
+        return self.parse(self.default)
 
     def accepts(self, value: Any) -> bool:
         """Return whether `parse` reads ``value``."""

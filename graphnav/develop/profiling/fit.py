@@ -35,7 +35,7 @@ class Rate(NamedTuple):
 
 @dataclass(frozen=True)
 class Fit:
-    """What fits: the sizes from small to large up to the first that misses ``wanted_hz``, the rate of the graph.
+    """The sizes measured, from small to large up to the first that misses ``wanted_hz``, the rate of the graph.
 
     ``percent``: of one core, None for all that the machine has.
     """

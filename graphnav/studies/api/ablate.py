@@ -95,6 +95,7 @@ class _Quiet:
         title: str,  # noqa: ARG002
         done: int,  # noqa: ARG002
         total: int,  # noqa: ARG002
+        left_s: Callable[[], float | None] | None = None,  # noqa: ARG002
     ) -> AbstractContextManager[Callable[[str], None]]:
         """Return what takes outcomes and shows nothing."""
         return nullcontext(lambda _: None)

@@ -45,9 +45,15 @@ class StudyFiles:
 
 
 def write_study_files(
-    plan: Plan, folder: Path, catalog: Catalog, graphs: Mapping[str, Graph] = MappingProxyType({})
+    plan: Plan,
+    folder: Path,
+    catalog: Catalog,
+    graphs: Mapping[str, Graph] = MappingProxyType({}),
+    drawn: frozenset[Path] = frozenset(),
 ) -> StudyFiles:
-    """Make tables and report from the existing runs of a study; ``graphs``: those loaded already, by `Case.folder`.
+    """Make tables and report from the existing runs of a study.
+
+    ``graphs``: those loaded already, by `Case.folder`; ``drawn``: maps that are drawn already (`EarlyMaps`).
 
     Raises
     ------
@@ -66,5 +72,5 @@ def write_study_files(
         write_atomically(folder / PICTURE, decomposition_picture(told))
     else:
         (folder / PICTURE).unlink(missing_ok=True)
-    report = write_report(plan, comparison, records, folder, catalog, graphs, notes)
+    report = write_report(plan, comparison, records, folder, catalog, graphs, notes, drawn)
     return StudyFiles(records, comparison, notes, report, found)

@@ -12,6 +12,7 @@ from graphnav import GraphnavError
 from graphnav.core.catalog import Catalog
 from graphnav.core.runner import Outcome
 from graphnav.studies.ablation.execution import (
+    RunTimes,
     StudyFolder,
     TaskFactory,
     TimeEstimate,
@@ -25,6 +26,7 @@ from graphnav.studies.ablation.execution import (
     pending_jobs,
 )
 from graphnav.studies.ablation.plan import CheckedStudy, Job
+from graphnav.studies.ablation.report import EarlyMaps
 from graphnav.studies.ablation.results import Record, failed_run_text, read_records, worst_failures
 from graphnav.studies.ablation.stopping import jobs_of_next_round
 from graphnav.studies.ablation.worker import STALL_S
@@ -55,9 +57,13 @@ class FailFastError(GraphnavError):
 class StudyRun:
     """A study while its runs are made."""
 
-    def __init__(self, study: CheckedStudy, folder: StudyFolder, workers: Workers, *, stall_s: float) -> None:
+    def __init__(
+        self, study: CheckedStudy, catalog: Catalog, folder: StudyFolder, workers: Workers, *, stall_s: float
+    ) -> None:
         self.plan, self.workers = study.plan, workers
         self._folder, self._tasks = folder, TaskFactory(study, stall_s=stall_s)
+        self._times, self._unmade = RunTimes(), dict[str, Job]()
+        self._maps = EarlyMaps(study.plan, catalog, folder.path)
 
     def pending(self) -> list[Job]:
         """Return the runs that do not exist yet."""
@@ -92,7 +98,21 @@ class StudyRun:
         for record in read_records(self.plan, self._folder.path) if fail_fast else ():
             if record.outcome == Outcome.FAILED:
                 failed(record)
-        execute(jobs, self._tasks, self._folder, self.workers, on_made, failed, on_died=died)
+
+        def kept(job: Job, took_s: float) -> None:
+            self._unmade.pop(job.folder, None)
+            self._times.add(job.case, took_s)
+            self._maps.add(job)
+
+        self._unmade = {job.folder: job for job in jobs}
+        execute(jobs, self._tasks, self._folder, self.workers, on_made, failed, on_kept=kept, on_died=died)
+
+    def left_s(self) -> float | None:
+        """Return the wall time of the runs that `make` has still to make; None before each graph has some.
+
+        A run takes as long as those of its case did, one of a case without any as those of its graph.
+        """
+        return self._times.left_s(self._unmade.values(), self.workers.at_once)
 
     def batches(self, jobs: Sequence[Job]) -> Iterator[Sequence[Job]]:
         """Yield the accepted runs: all at once or, where the results decide, those of one round after another."""
@@ -115,6 +135,11 @@ class StudyRun:
         walls = [record.wall_s for record in read_records(self.plan, self._folder.path)]
         return sum(walls) / len(walls)
 
+    @property
+    def drawn(self) -> frozenset[Path]:
+        """The maps with paths that were drawn while runs were made."""
+        return frozenset(self._maps.drawn)
+
     def draw(self, options: ExecutionOptions, observer: StudyObserver) -> None:
         """Draw the worst failures that are not drawn yet."""
         chosen = worst_failures(self.plan, read_records(self.plan, self._folder.path), options.gallery)
@@ -131,8 +156,10 @@ class StudyObserver(Protocol):
     def accept(self, run: StudyRun) -> Sequence[Job] | None:
         """Return the runs to make of those that are pending, or None to make none and end here."""
 
-    def progress(self, title: str, done: int, total: int) -> AbstractContextManager[Callable[[str], None]]:
-        """Return what takes the outcome of each run that is made."""
+    def progress(
+        self, title: str, done: int, total: int, left_s: Callable[[], float | None] | None = None
+    ) -> AbstractContextManager[Callable[[str], None]]:
+        """Return what takes the outcome of each run that is made; ``left_s`` tells how long the others take."""
 
     def failed(self, text: str) -> None:
         """Tell of a run in which a stage failed, as soon as it is made."""
@@ -158,15 +185,15 @@ def run_study(
     plan = study.plan
     folder.begin(plan)
     with workers_of(options.jobs, options.cluster, folder.scratch) as workers:
-        run = StudyRun(study, folder, workers, stall_s=options.stall_s)
+        run = StudyRun(study, catalog, folder, workers, stall_s=options.stall_s)
         jobs = observer.accept(run)
         if jobs is None:
             return None
-        with observer.progress(plan.name, plan.n_jobs - len(jobs), plan.n_jobs) as on_made:
+        with observer.progress(plan.name, plan.n_jobs - len(jobs), plan.n_jobs, run.left_s) as on_made:
             for batch in run.batches(jobs):
                 run.make(batch, on_made, observer.failed, fail_fast=options.fail_fast)
         run.draw(options, observer)
-    return write_study_files(plan, folder.path, catalog, study.graphs)
+    return write_study_files(plan, folder.path, catalog, study.graphs, run.drawn)
 
 
 def workers_of(jobs: int | None, cluster: str | None, scratch: Path) -> AbstractContextManager[Workers]:

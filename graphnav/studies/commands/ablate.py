@@ -44,7 +44,8 @@ if TYPE_CHECKING:
 
 _ABOUT = """\
 A study is a YAML file, the name of a shipped one, or graphs and --vary. Its folder keeps every run: the same command
-resumes a study that was interrupted, and a longer range of seeds adds runs to the existing ones.
+resumes a study that was interrupted, and a longer range of seeds adds runs to the existing ones. Logs keep small
+messages, which is too little for replay: --set run.record=replayable keeps what it needs, with the images.
 """
 _OF_RUNS = (
     *(VARY, Shared.SET, WITHIN, SEEDS, METRICS, REFERENCE, WORLDS),

@@ -15,7 +15,7 @@ from graphnav.core.machine import Console
 
 
 class _TimeLeft(ProgressColumn):
-    """The remaining time, from the mean of the runs completed while the bar is shown."""
+    """The remaining time, by what is known of the runs, else from the mean of those completed while it is shown."""
 
     def render(self, task: Task) -> Text:
         over_s = task.fields["over_s"]
@@ -25,10 +25,13 @@ class _TimeLeft(ProgressColumn):
 
 
 @contextmanager
-def study_bar(console: Console, title: str, done: int, total: int) -> Iterator[Callable[[str], None]]:
+def study_bar(
+    console: Console, title: str, done: int, total: int, left_s: Callable[[], float | None] | None = None
+) -> Iterator[Callable[[str], None]]:
     """Show the number of finished runs, their outcomes and the time left; call the yielded function per outcome.
 
-    Shows nothing without a terminal.
+    ``left_s`` tells the time left, in seconds; without it, or where it is not known, the mean of the runs does. Shows
+    nothing without a terminal.
     """
     columns = (
         TextColumn("{task.description}", markup=False),
@@ -46,7 +49,8 @@ def study_bar(console: Console, title: str, done: int, total: int) -> Iterator[C
             made = ended.total()
             said = ", ".join(f"{name} {count}" for name, count in ended.most_common())
             now_s = time.monotonic()
-            over_s = now_s + (now_s - begin_s) / made * (total - done - made)
+            left = left_s() if left_s is not None and progress.disable is False else None
+            over_s = now_s + ((now_s - begin_s) / made * (total - done - made) if left is None else left)
             progress.update(task, advance=1, ended=f": {said}", over_s=over_s)
 
         yield show

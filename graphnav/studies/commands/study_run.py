@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 from graphnav import UserError
 from graphnav.core.machine import Console
@@ -17,6 +17,8 @@ FEW_RUNS = 100
 """So many runs and fewer begin without an estimate of their time."""
 MANY_RUNS = 1000
 """More runs than this need a confirmation."""
+WORTH_TELLING_S = 10.0
+"""Less time than this is not told."""
 
 
 class StudyConsole:
@@ -53,9 +55,24 @@ class StudyConsole:
             return None
         return jobs
 
-    def progress(self, title: str, done: int, total: int) -> AbstractContextManager[Callable[[str], None]]:
-        """Return the progress bar."""
-        return study_bar(self._errors, title, done, total)
+    @contextmanager
+    def progress(
+        self, title: str, done: int, total: int, left_s: Callable[[], float | None] | None = None
+    ) -> Iterator[Callable[[str], None]]:
+        """Show the progress bar, and say once how long the runs take, as soon as each graph has some that are made."""
+        with study_bar(self._errors, title, done, total, left_s) as show:
+            made, is_told = done, left_s is None
+
+            def on_made(outcome: str) -> None:
+                nonlocal made, is_told
+                show(outcome)
+                made += 1
+                if not is_told and left_s is not None and (left := left_s()) is not None:
+                    is_told = True
+                    if left >= WORTH_TELLING_S:
+                        self._errors.print(f"{total - made} runs left, about {duration_text(left)}", markup=False)
+
+            yield on_made
 
     def failed(self, text: str) -> None:
         """Print a failed run above the progress bar."""

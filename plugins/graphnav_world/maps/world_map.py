@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from graphnav import Problem, UserError, shown_path
@@ -26,10 +26,16 @@ KEPT = 16
 
 @dataclass(frozen=True, eq=False)
 class WorldMap:
-    """A draw and the length of the shortest path to its goal for this robot, 0 without a goal."""
+    """A draw, and where this robot can go in it."""
 
     draw: MapDraw
-    shortest_m: float
+    passage: Passage
+    radius_m: float
+
+    @cached_property
+    def shortest_m(self) -> float:
+        """The length of the shortest path to the goal, 0 without a goal; found for the first run that asks."""
+        return self.passage.shortest_m(self.radius_m) if len(self.draw.goal_m) else 0.0
 
 
 def load_map(path: Path, seed: int, robot_radius_m: float, run_seed: int | None = None) -> WorldMap:
@@ -76,7 +82,7 @@ def _drawn(content: bytes, source: str, seed: int, robot_radius_m: float, run_se
             passage = Passage(draw.bodies, draw.start, draw.goal_m)
             misfit = _misfit(draw, passage, robot_radius_m)
             if misfit is None:
-                return WorldMap(draw, passage.shortest_m(robot_radius_m) if len(draw.goal_m) else 0.0)
+                return WorldMap(draw, passage, robot_radius_m)
             effort.spend(STEPS_PER_PART * sum(len(body.parts) for body in draw.bodies) + passage.n_cells)
             misfits = [misfit]
         if not draws.drew or effort.is_spent:

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from graphnav.arrays import Bytes, Floats
-from graphnav_world.rendering.textures import BLOCK, TEXEL_M, Texture
+from graphnav_world.rendering.textures import BLOCK, TEXEL_M, Texture, wrapped
 
 MIN_LEVELS, MAX_LEVELS = 6, 8
 """Mip levels: texels of 0.16 m are coarse enough for what lies within 6 m, those of 0.64 m up to the horizon."""
@@ -60,7 +60,7 @@ class Atlas:
     def _place(self, k: int, top: int, texels: Bytes) -> None:
         left, below = 0, top
         for level in range(self.levels):
-            padded = np.pad(texels, PAD, mode="wrap")
+            padded = wrapped(texels, PAD)
             height, width = padded.shape
             self.pixels[below : below + height, left : left + width] = padded
             self.origin_px[k, level] = left + PAD - 0.5, below + PAD - 0.5

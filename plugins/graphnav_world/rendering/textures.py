@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -19,6 +20,7 @@ OCTAVE_GAIN = 1.15
 """Amplitude ratio of noise of twice the grain."""
 RIM = 4
 """Border of a texture for blur and interpolation, in texels."""
+Tiled = TypeVar("Tiled", Bytes, Floats)
 BLUR_PX, BLUR_GAIN = 1.0, 3.545
 """Blur that makes noise of two texels' grain, and what restores its standard deviation (2 sqrt(pi) sigma)."""
 
@@ -49,7 +51,7 @@ class Texture:
             total = _enlarged(total)
             white = rng.random(total.shape, dtype=np.float32)
             white -= np.float32(0.5)
-            grains = cv2.GaussianBlur(np.pad(white, RIM, mode="wrap"), (0, 0), BLUR_PX)[RIM:-RIM, RIM:-RIM]
+            grains = cv2.GaussianBlur(wrapped(white, RIM), (0, 0), BLUR_PX)[RIM:-RIM, RIM:-RIM]
             cv2.scaleAdd(grains, BLUR_GAIN * OCTAVE_GAIN ** (level + 1), total, total)
         total += white
         if self.tile_m is not None:
@@ -70,12 +72,18 @@ class Texture:
         return np.tile(face, (-(-height // rows), -(-width // cols)))[:height, :width]
 
 
+def wrapped(field: Tiled, rim: int) -> Tiled:
+    """Return a field that tiles with a border of ``rim`` texels, which goes on as the field begins."""
+    wider: Tiled = cv2.copyMakeBorder(field, rim, rim, rim, rim, cv2.BORDER_WRAP)
+    return wider
+
+
 def _texels(length_m: float) -> int:
     return max(round(length_m / TEXEL_M), 1)
 
 
 def _enlarged(field: Floats) -> Floats:
     """Return a field that tiles at twice the size."""
-    padded = np.pad(field, RIM, mode="wrap")
+    padded = wrapped(field, RIM)
     twice: Floats = cv2.resize(padded, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC)
     return twice[2 * RIM : -2 * RIM, 2 * RIM : -2 * RIM].copy()

@@ -1,4 +1,4 @@
-"""What fits: the largest size of pictures that keeps a graph's rate, and how that is told."""
+"""The largest size of pictures that keeps a graph's rate, and how that is told."""
 
 from __future__ import annotations
 

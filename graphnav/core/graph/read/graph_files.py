@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from graphnav.core.errors import Place, Problem, UserError, shown_path
@@ -63,7 +64,7 @@ def _add(graph: GraphBytes, chain: tuple[Path, ...], files: dict[Path, GraphFile
     A file that is there already stays where it is: what extends it follows it. ``chain``: the files that extend one
     another down to this one.
     """
-    value, found = parse_yaml(graph.data, graph.source)
+    value, found = _parsed(graph.data, graph.source)
     problems += found
     for entry, extended in _extended(value, graph.path):
         longer = (*chain, extended)
@@ -72,6 +73,12 @@ def _add(graph: GraphBytes, chain: tuple[Path, ...], files: dict[Path, GraphFile
             source = shown_path(extended)
             _add(GraphBytes(read_bytes(extended, entry.place, source), extended, source), longer, files, problems)
     files[graph.path.resolve()] = GraphFile(value, graph.path, graph.source)
+
+
+@lru_cache(maxsize=128)
+def _parsed(data: bytes, source: str) -> tuple[Value, list[Problem]]:
+    """Return what `parse_yaml` does, once for all variants of a graph and all graphs that extend a file."""
+    return parse_yaml(data, source)
 
 
 def _extended(value: Value, path: Path) -> Iterator[tuple[Value, Path]]:

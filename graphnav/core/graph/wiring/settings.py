@@ -41,8 +41,8 @@ def settings_of(
             continue
         place = entry.value.place if entry else spec.place
         try:
-            written = _written(param, entry, folders) if entry else param.default
-            value = param.parse(written)
+            written = _written(param, entry, folders) if entry else None
+            value = param.parse(written) if entry else param.parsed_default
         except ParamError as error:
             problems.append(_problem(spec, error, place, is_default=entry is None))
             continue

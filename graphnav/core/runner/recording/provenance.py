@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
@@ -47,7 +47,8 @@ def provenance(families: Iterable[str], plugins: Iterable[str]) -> dict[str, str
 
     ``families``: those of the stages, whose packages are hashed; ``plugins``: one-file plugins.
     """
-    code = {f"{CODE}{family}": _hash(files) for family in sorted(families) if (files := _files_of(family))}
+    points = sorted(entry_points(group=GROUP), key=lambda point: point.name)
+    code = {f"{CODE}{family}": _hash(files) for family in sorted(families) if (files := _files_of(family, points))}
     return {**Summary.versions_here(), **code, **{plugin: _hash([Path(plugin)]) for plugin in plugins}}
 
 
@@ -76,10 +77,10 @@ def difference(old: Mapping[str, str], new: Mapping[str, str]) -> Difference | N
     return next((Difference(name, old[name], new[name]) for name in changed), None)
 
 
-def _files_of(family: str) -> list[Path]:
-    """Return the Python files of the packages of a family."""
+def _files_of(family: str, points: Iterable[EntryPoint]) -> list[Path]:
+    """Return the Python files of the packages of a family; ``points``: all entry points of graphnav."""
     files = []
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+    for point in points:
         if family_of(point) != family:
             continue
         spec = find_spec(point.module.partition(".")[0])

@@ -8,12 +8,14 @@ from graphnav.studies.ablation.execution.execute_jobs import (
     pending_jobs,
 )
 from graphnav.studies.ablation.execution.local_processes import local_workers
+from graphnav.studies.ablation.execution.run_times import RunTimes
 from graphnav.studies.ablation.execution.study_folder import LockedFolder, StudyFolder, read_plan
 from graphnav.studies.ablation.execution.time_estimate import TimeEstimate, estimate_time
 from graphnav.studies.ablation.execution.workers import Workers, cluster_workers
 
 __all__ = [
     "LockedFolder",
+    "RunTimes",
     "StudyFolder",
     "TaskFactory",
     "TimeEstimate",

@@ -11,6 +11,8 @@ from graphnav import Graph, GraphnavError
 from graphnav.core.graph import resolved_yaml
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome, Summary
+from graphnav.core.spec import RecordOption
+from graphnav.studies.ablation.execution.run_times import longest_first
 from graphnav.studies.ablation.execution.study_folder import StudyFolder
 from graphnav.studies.ablation.execution.workers import Workers
 from graphnav.studies.ablation.plan import Case, CheckedStudy, Job, Plan
@@ -37,6 +39,7 @@ class TaskFactory:
             seed=job.seed,
             plugins=self._plan.plugins,
             versions=self._plan.versions,
+            record=_record_of(job.case, graph),
             stall_s=self._stall_s,
         )
 
@@ -62,22 +65,31 @@ class TaskFactory:
         return resolved_yaml(replace(graph, plugins=tuple(plugins)), portable_paths=False)
 
 
+def _record_of(case: Case, graph: Graph) -> RecordOption:
+    """Return what the logs of a case keep: what the study asks for, else small messages, whatever its graph says."""
+    is_asked = any(override.target.kind == "run" and override.target.key == "record" for override in case.overrides)
+    return (is_asked and graph.run.record) or "small"
+
+
 def pending_jobs(plan: Plan, folder: StudyFolder) -> list[Job]:
     """Return the runs of a plan that are pending."""
     return [job for job in plan.jobs if not folder.holds(job.folder)]
 
 
 def execute(
-    jobs: Iterable[Job],
+    jobs: Sequence[Job],
     tasks: TaskFactory,
     folder: StudyFolder,
     workers: Workers,
     on_made: Callable[[str], None] = lambda _: None,
     on_failed: Callable[[Record], None] = lambda _: None,
     *,
+    on_kept: Callable[[Job, float], None] = lambda _job, _took_s: None,
     on_died: Callable[[Job], None] = lambda _: None,
 ) -> None:
     """Make runs, in parallel, and keep each as soon as it is made; ``on_made`` gets its outcome.
+
+    Runs are made seed by seed, those with the longest time limits first; ``on_kept`` gets each and its wall time.
 
     A failing stage is a result, which ``on_failed`` gets at once. A run whose process died is made once more when all
     others are done, alone, for it may have lacked memory; if it dies again, that is its result. ``on_died`` gets it
@@ -88,16 +100,16 @@ def execute(
     GraphnavError
         Something that has nothing to do with the stages: a full disk, a machine with other versions.
     """
-    made = {job.folder: job for job in jobs}
+    made = {job.folder: job for job in longest_first(jobs, tasks.until_s)}
     for result in perform_all(map(tasks.task, made.values()), workers, lambda task: on_died(made[task.folder])):
         if result.died:
             folder.keep(result.task.folder, crashed_run_files(result))
         else:
             folder.keep(result.task.folder, result.files)
-        outcome = Outcome.FAILED if result.died else result.outcome
+        outcome, job = Outcome.FAILED if result.died else result.outcome, made[result.task.folder]
+        on_kept(job, result.took_s)
         on_made(outcome)
         if outcome == Outcome.FAILED:
-            job = made[result.task.folder]
             on_failed(read_record(job.case, job.seed, folder.path / job.folder / RunFolder.SUMMARY))
 
 

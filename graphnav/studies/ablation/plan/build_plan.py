@@ -16,7 +16,7 @@ from graphnav.core.runner import Summary
 from graphnav.studies.ablation.plan.checked_cases import CaseProblems, CheckedCase, check_cases, stage_classes
 from graphnav.studies.ablation.plan.plan import RUNS, Case, Plan
 from graphnav.studies.ablation.plan.study_problems import checked_metrics, declared_metrics, study_problems
-from graphnav.studies.ablation.plan.upstream import driving_stages, measured_stages
+from graphnav.studies.ablation.plan.upstream import measured_stages
 from graphnav.studies.ablation.plan.variants import Variant, expand
 from graphnav.studies.ablation.study import MetricExpression, Study
 
@@ -167,6 +167,6 @@ def _cases(
             swapped=tuple(stage for stage, use in case.uses.items() if before.get(stage) != use),
             notices=case.notices,
             graph_yaml=resolved_yaml(case.graph),
-            driving=tuple(node.name for node in case.graph.order if node.name in driving_stages(case.graph)),
+            driving=tuple(node.name for node in case.graph.order if node.name in case.driving),
             drives_as=drivers.setdefault((graph, case.drive), case.variant.called),
         )

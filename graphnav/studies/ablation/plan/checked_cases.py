@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from graphnav import Graph, Place, Problem, Role, Stage, Suggestion, UserError
 from graphnav.core.catalog import Catalog
 from graphnav.core.errors import Hint, ProblemKind
-from graphnav.core.graph import Node, Override, has_path, load_graph
+from graphnav.core.graph import Node, Override, ReadGraph, has_path, read_graph
 from graphnav.core.stage import params_of
 from graphnav.studies.ablation.plan.upstream import driving_stages
 from graphnav.studies.ablation.plan.variants import Variant
@@ -137,6 +138,16 @@ class CheckedCase:
     """Paths as they were found."""
     graph: Graph
 
+    @cached_property
+    def driving(self) -> frozenset[str]:
+        """The stages that drive, as of `driving_stages`."""
+        return driving_stages(self.graph)
+
+    @cached_property
+    def _made_of(self) -> dict[str, tuple[object, ...]]:
+        """Use, parameters and wires of each stage, by its name."""
+        return {node.name: (node.name, *stage_parts(node.use, node.params), *_wires(node)) for node in self.graph.nodes}
+
     @property
     def identity(self) -> object:
         """Key of its runs: equal for graphs that do the same, whatever was swapped and pruned on the way."""
@@ -158,7 +169,7 @@ class CheckedCase:
 
     def identity_of(self, stages: Collection[str]) -> object:
         """Return a key of stages and of all sources, equal for cases in which these do the same."""
-        return self._made_of({*stages, *(source.name for source in self.graph.sources)})
+        return self._of({*stages, *(source.name for source in self.graph.sources)})
 
     @property
     def drive(self) -> object:
@@ -166,17 +177,16 @@ class CheckedCase:
 
         Parameters of sources that only change outputs which nothing that drives reads (`Param.changes`) do not count.
         """
-        driving = driving_stages(self.graph)
+        driving = self.driving
         read = {i.channel.ref for node in self.graph.nodes if node.name in driving for i in node.inputs if i.channel}
         sources = tuple(
-            (source.name, *_made_of(source.use, _params_that_drive(source, read)), *_wires(source))
+            (source.name, *stage_parts(source.use, _params_that_drive(source, read)), *_wires(source))
             for source in self.graph.sources
         )
-        return self.name, self._made_of(driving), sources, self.graph.run.until_s
+        return self.name, self._of(driving), sources, self.graph.run.until_s
 
-    def _made_of(self, stages: Collection[str]) -> tuple[object, ...]:
-        nodes = (node for node in self.graph.nodes if node.name in stages)
-        return tuple((node.name, *_made_of(node.use, node.params), *_wires(node)) for node in nodes)
+    def _of(self, stages: Collection[str]) -> tuple[object, ...]:
+        return tuple(made for name, made in self._made_of.items() if name in stages)
 
     @property
     def notices(self) -> tuple[str, ...]:
@@ -192,12 +202,15 @@ def check_cases(
     fine: set[object] = set()
     checked = []
     for name in study.graphs:
+        read = _read(name, catalog)
         for variant in variants:
             origins = _origins(study, variant)
             problems.count_case(name)
             try:
-                case = _load(study, name, variant, catalog)
-                new = {part: node for node in case.graph.nodes if (part := _made_of(node.use, node.params)) not in fine}
+                case = _load(study, name, variant, read)
+                new = {
+                    part: node for node in case.graph.nodes if (part := stage_parts(node.use, node.params)) not in fine
+                }
                 replace(case.graph, nodes=tuple(new.values())).make_stages()
                 fine |= new.keys()
                 checked.append(case)
@@ -206,12 +219,22 @@ def check_cases(
     return checked
 
 
-def _load(study: Study, name: str, variant: Variant, catalog: Catalog) -> CheckedCase:
+def _read(name: str, catalog: Catalog) -> ReadGraph | UserError:
+    """Return a graph, read once for all variants, or what each of them is to report."""
+    try:
+        return read_graph(name, catalog)
+    except UserError as error:
+        return error
+
+
+def _load(study: Study, name: str, variant: Variant, read: ReadGraph | UserError) -> CheckedCase:
     of_all = study.overrides
     if study.decomposition is not None:
         of_all = Override.without_replaced(of_all, variant.overrides)
     overrides = (*of_all, *variant.overrides)
-    graph = load_graph(name, catalog, overrides)
+    if isinstance(read, UserError):
+        raise read
+    graph = read.variant(overrides)
     _refuse_live(graph)
     nodes = {node.name: node for node in graph.nodes}
     return CheckedCase(name, variant, tuple(_as_found(override, nodes) for override in overrides), graph)
@@ -244,7 +267,7 @@ def _swaps(overrides: Iterable[Override]) -> dict[str, str]:
     return {stage: str(o.value) for o in overrides if o.target.is_stage for stage in o.target.stages}
 
 
-def _made_of(use: str, params: Mapping[str, object]) -> tuple[object, ...]:
+def stage_parts(use: str, params: Mapping[str, object]) -> tuple[object, ...]:
     """Return what a stage is made of; that of the same name and parameters passes the same checks."""
     return use, *((name, repr(value)) for name, value in params.items())
 

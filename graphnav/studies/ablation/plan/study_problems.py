@@ -74,9 +74,12 @@ _MAX_NAMED = 20
 
 _OWN = {
     "seed": ("a study's seeds are its worlds", "write seeds: FIRST:END, or --seeds FIRST:END"),
-    "record": ("a study records what is small, and of failures everything", "leave it out"),
 }
 """Options of ``run:`` that a study decides itself."""
+_OF_AXES = {
+    "record": ("all logs of a study keep the same", "write set: [run.record=replayable], which is for all runs")
+}
+"""Options of ``run:`` that no axis may have."""
 
 
 def study_problems(study: Study, variants: Sequence[Variant]) -> Iterator[Problem]:
@@ -97,7 +100,7 @@ def _all_problems(study: Study, variants: Sequence[Variant]) -> Iterator[tuple[o
     yield from ((problem, problem) for problem in _within(study))
     yield from ((problem, problem) for problem in _reference(study, variants))
     for override in study.overrides:
-        yield from _own(override)
+        yield from _own(override, _OWN)
     for variant in variants:
         yield from _set_twice(study, variant)
 
@@ -137,7 +140,7 @@ def _set_twice(study: Study, variant: Variant) -> Iterator[tuple[object, Problem
     for axis, choice in variant.choices.items():
         here: dict[Target, tuple[str, object]] = {}
         for override in choice.overrides:
-            yield from _own(override)
+            yield from _own(override, _OWN | _OF_AXES)
             for target in override.target.each:
                 setter, value = who.get(target, ("", None))
                 if setter and (study.decomposition is None or value != override.value):
@@ -147,8 +150,9 @@ def _set_twice(study: Study, variant: Variant) -> Iterator[tuple[object, Problem
         who |= here
 
 
-def _own(override: Override) -> Iterator[tuple[object, Problem]]:
+def _own(override: Override, refused: Mapping[str, tuple[str, str]]) -> Iterator[tuple[object, Problem]]:
     target = override.target
-    if target.kind == "run" and target.key in _OWN:
-        why, hint = _OWN[target.key]
-        yield target, Problem(override.place, f"{target} is not for a study to set: {why}", hint)
+    if target.kind == "run" and target.key in refused:
+        who = "a study" if target.key in _OWN else "an axis"
+        why, hint = refused[target.key]
+        yield target, Problem(override.place, f"{target} is not for {who} to set: {why}", hint)

@@ -2,7 +2,7 @@
 
 from graphnav.studies.ablation.report.csv_files import METRICS, RESULTS, TIMING, runs_data, write_csv_files
 from graphnav.studies.ablation.report.decomposition import PICTURE, decomposition_picture, sentences
-from graphnav.studies.ablation.report.html import write_report
+from graphnav.studies.ablation.report.html import EarlyMaps, write_report
 from graphnav.studies.ablation.report.markdown import (
     TABLE,
     bullets,
@@ -20,6 +20,7 @@ __all__ = [
     "RESULTS",
     "TABLE",
     "TIMING",
+    "EarlyMaps",
     "bullets",
     "code",
     "decomposition_picture",

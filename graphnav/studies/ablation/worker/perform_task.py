@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import platform
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
 
 from graphnav import Graph, GraphnavError, Recording, UserError
 from graphnav.core.catalog import Catalog
@@ -17,6 +17,7 @@ from graphnav.core.pictures import drawing
 from graphnav.core.report import LogPictures
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome, StallLimit, Summary, difference_here, run_recorded
+from graphnav.core.spec import RecordOption
 from graphnav.studies import parameters
 
 IDLE_S = 60.0
@@ -40,7 +41,8 @@ class Task:
     plugins: tuple[str, ...]
     versions: Mapping[str, str]
     """The versions of the study: a machine with any other must not take part."""
-    record: Literal["small", "all"] = "small"
+    record: RecordOption = "small"
+    """The messages that its log keeps."""
     draws: bool = False
     """Whether its pictures are drawn."""
     keeps_log: bool = True
@@ -62,6 +64,8 @@ class Result:
     """Whether the process that made it died."""
     last_call: str = ""
     """If it died: the last call into a stage, empty if that is not known."""
+    took_s: float = 0.0
+    """Wall time from its stages to its files; what a process does once, as imports, is left out."""
     ends_process: bool = False
     """Whether the process that made it ends now: a stage does not return, so that it can make no other run."""
 
@@ -96,7 +100,8 @@ def _perform(task: Task, scratch: Path, send: Callable[[Result], None]) -> Resul
         send(replace(_result(task, scratch, summary.outcome), ends_process=True))
 
     stall = StallLimit(task.stall_s, on_stall)
-    summary = run_recorded(graph, graph.make_stages(), scratch, on_failure=errors.append, stall=stall)
+    stages, begin_s = graph.make_stages(), time.monotonic()
+    summary = run_recorded(graph, stages, scratch, on_failure=errors.append, stall=stall)
     for error in errors:
         if not isinstance(error, StageError):
             raise error
@@ -104,7 +109,7 @@ def _perform(task: Task, scratch: Path, send: Callable[[Result], None]) -> Resul
         return Result(task, {}, error=f"a process on {platform.node()} was told to stop")
     if task.draws and summary.frames:
         _draw(catalog, scratch)
-    return _result(task, scratch, summary.outcome)
+    return replace(_result(task, scratch, summary.outcome), took_s=time.monotonic() - begin_s)
 
 
 def _result(task: Task, scratch: Path, outcome: str) -> Result:

@@ -45,13 +45,15 @@ def write_report(
     catalog: Catalog,
     graphs: Mapping[str, Graph] = MappingProxyType({}),
     notes: Sequence[str] = (),
+    drawn: frozenset[Path] = frozenset(),
 ) -> Path:
     """Write ``report.html`` into the folder of a study, and the maps with paths that it shows; return its path.
 
     The page needs no other file, no script and no network. The same runs and pictures give the same bytes. ``graphs``:
-    those that are loaded already, by `Case.folder`; ``notes``: sentences on the number of worlds.
+    those that are loaded already, by `Case.folder`; ``notes``: sentences on the number of worlds; ``drawn``: maps that
+    are drawn already.
     """
-    study = StudyResults(plan, comparison, records, folder, catalog, graphs, notes)
+    study = StudyResults(plan, comparison, records, folder, catalog, graphs, notes, drawn)
     path = folder / REPORT
     write_atomically(path, page_of(study))
     return path

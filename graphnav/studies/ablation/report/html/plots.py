@@ -197,7 +197,7 @@ def profiles(study: StudyResults) -> Markup:
     .. [Agarwal] R. Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical Precipice, NeurIPS 2021.
     """
     metrics = [metric for metric in study.metrics if _is_graded_share(study, metric)][:_MAX_PROFILES]
-    colours = colours_of(study)
+    colours = colours_of(study.plan)
     variants = list(dict.fromkeys(v for metric in metrics for v in shown_variants(study, metric)))
     return rendered(
         "profiles.html",

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from markupsafe import Markup
 
 from graphnav import GraphnavError, Recording
+from graphnav.core.catalog import Catalog
 from graphnav.core.errors import DrawingError
 from graphnav.core.pictures import DRAWING_FAMILY, drawing
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import Outcome
+from graphnav.studies.ablation.plan import Case, Job, Plan
 from graphnav.studies.ablation.report.html.rendering import counted, embedded_picture, rendered
-from graphnav.studies.ablation.report.html.study_results import StudyResults, badge_of, colours_of
-from graphnav.studies.ablation.results import Record, failure_folder, is_failure
+from graphnav.studies.ablation.report.html.study_results import StudyResults, badge_of, colours_of, own_variants
+from graphnav.studies.ablation.results import Record, failure_folder, is_failure, read_record
 from graphnav.studies.ablation.worker import ENDING
 
 FOLDER = "paths"
 _FIRST, _DISPUTED, _MANY_GRAPHS = 2, 3, 4
+_FIRST_OF_MANY, _DISPUTED_OF_MANY = 1, 2
 _MAX_PATHS = {"method": 8, "baseline": 3, "oracle": 2}
 _MAX_PX = 520
 
@@ -37,8 +40,8 @@ class _World:
 
 def maps(study: StudyResults) -> Markup:
     """Return maps with paths: of the first worlds and of those in which variants differ most."""
-    variants = _variants(study)
-    colours = colours_of(study)
+    variants = _variants(study.plan)
+    colours = colours_of(study.plan)
     study.catalog.load(DRAWING_FAMILY)
     graphs = []
     for graph in study.plan.graphs:
@@ -56,12 +59,45 @@ def maps(study: StudyResults) -> Markup:
     )
 
 
-def _variants(study: StudyResults) -> Sequence[str]:
+class EarlyMaps:
+    """Draws the maps of the first worlds while other runs are made: each as soon as its last path is there.
+
+    A world of which a run existed before is drawn with the report.
+    """
+
+    def __init__(self, plan: Plan, catalog: Catalog, folder: Path) -> None:
+        self._plan, self._catalog, self._folder = plan, catalog, folder
+        self._colours = colours_of(plan)
+        self._worlds: dict[tuple[str, int], dict[str, Record | None]] = {}
+        """The runs of each world by the folder of their case, in the order of variants; None: not made yet."""
+        for graph in plan.graphs:
+            cases = [plan.case(graph, variant) for variant in _variants(plan)]
+            own = dict.fromkeys(case.folder for case in cases if not case.same_as)
+            self._worlds |= {(graph, seed): dict(own) for seed in _first_worlds(plan, cases[0])}
+        self.drawn: set[Path] = set()
+
+    def add(self, job: Job) -> None:
+        """Add a run that was made; draw its world if it is a first one, of which it is the last."""
+        runs = self._worlds.get((job.case.graph, job.seed), {})
+        if job.case.folder not in runs:
+            return
+        runs[job.case.folder] = read_record(job.case, job.seed, self._folder / job.folder / RunFolder.SUMMARY)
+        made = [run for run in runs.values() if run is not None]
+        if len(made) < len(runs):
+            return
+        file = _file(self._plan, self._folder, job.case.graph, job.seed)
+        with suppress(GraphnavError):  # the report tells of it
+            self._catalog.load(DRAWING_FAMILY)
+            if _drawn(self._folder, self._catalog, made, self._colours, file) is not None:
+                self.drawn.add(file)
+
+
+def _variants(plan: Plan) -> Sequence[str]:
     """Return whose paths are drawn: of each role the first few, the base among them."""
-    roles = {case.variant: case.role for case in study.plan.cases}
+    roles = {case.variant: case.role for case in plan.cases}
     used = dict.fromkeys(_MAX_PATHS, 0)
     kept = []
-    for variant in study.own_variants:
+    for variant in own_variants(plan):
         role = roles[variant]
         used[role] += 1
         if used[role] <= _MAX_PATHS[role]:
@@ -71,8 +107,9 @@ def _variants(study: StudyResults) -> Sequence[str]:
 
 def _worlds(study: StudyResults, graph: str, variants: Sequence[str]) -> Sequence[int]:
     """Return the seeds of the worlds to draw, the first ones first."""
-    seeds = study.plan.seeds_of(study.own_rows(graph)[0].case)
-    first, disputed = (_FIRST, _DISPUTED) if len(study.plan.graphs) <= _MANY_GRAPHS else (1, 2)
+    case = study.own_rows(graph)[0].case
+    begin, seeds = _first_worlds(study.plan, case), study.plan.seeds_of(case)
+    disputed = _DISPUTED if len(study.plan.graphs) <= _MANY_GRAPHS else _DISPUTED_OF_MANY
     outcomes: dict[int, list[str]] = {}
     for variant in variants:
         if study.plan.case(graph, variant).role == "method":
@@ -82,17 +119,26 @@ def _worlds(study: StudyResults, graph: str, variants: Sequence[str]) -> Sequenc
         seed: sum(one != Outcome.GOAL for one in of) * sum(one == Outcome.GOAL for one in of)
         for seed, of in outcomes.items()
     }
-    begin = list(seeds[:first])
     rest = sorted((s for s in seeds if s not in begin), key=lambda s: (-doubt.get(s, 0), s))
     doubtful = [seed for seed in rest if doubt.get(seed, 0) > 0][:disputed]
     return [*begin, *(doubtful or rest[:disputed])]
 
 
+def _first_worlds(plan: Plan, case: Case) -> Sequence[int]:
+    """Return the first seeds of a graph, whose worlds are drawn in any case."""
+    return plan.seeds_of(case)[: _FIRST if len(plan.graphs) <= _MANY_GRAPHS else _FIRST_OF_MANY]
+
+
+def _file(plan: Plan, folder: Path, graph: str, seed: int) -> Path:
+    """Return the file of a map; a graph may be called by its path."""
+    beside = Path(next(case.folder for case in plan.cases if case.graph == graph)).parent.name
+    return folder / FOLDER / beside / f"{seed}.png"
+
+
 def _map(study: StudyResults, graph: str, seed: int, runs: Sequence[Record], colours: dict[str, str]) -> _World | None:
-    beside = Path(next(case.folder for case in study.plan.cases if case.graph == graph)).parent.name
-    file = study.folder / FOLDER / beside / f"{seed}.png"  # a graph may be called by its path
+    file = _file(study.plan, study.folder, graph, seed)
     try:
-        drawn = _drawn(study, runs, colours, file)
+        drawn = file if file in study.drawn else _drawn(study.folder, study.catalog, runs, colours, file)
     except DrawingError as error:
         return _World(seed, Markup(""), "", f"World {seed} of {graph} cannot be drawn: {error}")
     except GraphnavError:  # a log that cannot be read shows no path
@@ -104,21 +150,19 @@ def _map(study: StudyResults, graph: str, seed: int, runs: Sequence[Record], col
     return _World(seed, embedded_picture(drawn, f"paths through world {seed} of {graph}", _MAX_PX), counts)
 
 
-def _drawn(study: StudyResults, runs: Sequence[Record], colours: dict[str, str], file: Path) -> Path | None:
+def _drawn(folder: Path, catalog: Catalog, runs: Sequence[Record], colours: dict[str, str], file: Path) -> Path | None:
     """Draw the runs whose logs are there, the base on top; return ``file``, or None where they are not enough."""
     with ExitStack() as stack:
         recordings = {
             run.variant: stack.enter_context(Recording(log))
             for run in reversed(runs)
-            if (log := study.folder / run.folder / RunFolder.LOG).is_file()
+            if (log := folder / run.folder / RunFolder.LOG).is_file()
         }
         if not recordings:
             return None
         file.parent.mkdir(parents=True, exist_ok=True)
         with drawing():
-            drawn: Path | None = study.catalog.hook.graphnav_draw_paths(
-                recordings=recordings, colours=colours, file=file
-            )
+            drawn: Path | None = catalog.hook.graphnav_draw_paths(recordings=recordings, colours=colours, file=file)
         return drawn
 
 

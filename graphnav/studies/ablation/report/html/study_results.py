@@ -30,6 +30,8 @@ class StudyResults:
     """Graphs that are loaded already, by `Case.folder`."""
     notes: Sequence[str] = ()
     """Sentences on the number of worlds."""
+    drawn: frozenset[Path] = frozenset()
+    """Maps with paths that are drawn already (`EarlyMaps`)."""
 
     @cached_property
     def metrics(self) -> tuple[str, ...]:
@@ -55,7 +57,7 @@ class StudyResults:
     @cached_property
     def own_variants(self) -> tuple[str, ...]:
         """Variants that have runs of their own on some graph, the base first."""
-        return tuple(dict.fromkeys(case.variant for case in self.plan.cases if not case.same_as))
+        return own_variants(self.plan)
 
     @cached_property
     def rows(self) -> Mapping[tuple[str, str], Row]:
@@ -90,12 +92,17 @@ OUTCOMES = ("goal", "end", "timeout", "contact", "failed", "stopped")
 """In the order in which bars show them; each has a class in the style sheet."""
 
 
-def colours_of(study: StudyResults) -> dict[str, str]:
+def own_variants(plan: Plan) -> tuple[str, ...]:
+    """Return the variants that have runs of their own on some graph, the base first."""
+    return tuple(dict.fromkeys(case.variant for case in plan.cases if not case.same_as))
+
+
+def colours_of(plan: Plan) -> dict[str, str]:
     """Return ``#rrggbb`` for every variant: the base blue, baselines gray, oracles black, methods in turn."""
-    roles = {case.variant: case.role for case in study.plan.cases}
-    found, used = {study.plan.base: BASE}, {"method": 0, "baseline": 0, "oracle": 0}
+    roles = {case.variant: case.role for case in plan.cases}
+    found, used = {plan.base: BASE}, {"method": 0, "baseline": 0, "oracle": 0}
     palettes = {"method": METHODS, "baseline": BASELINES, "oracle": ORACLES}
-    for variant in dict.fromkeys([*study.own_variants, *study.plan.variants]):
+    for variant in dict.fromkeys([*own_variants(plan), *plan.variants]):
         if variant not in found:
             role = roles[variant]
             found[variant] = palettes[role][used[role] % len(palettes[role])]

@@ -11,7 +11,8 @@ from graphnav.core.catalog import Catalog
 from graphnav.core.cli import main
 from graphnav.core.pictures import DRAWING_FAMILY
 from graphnav.core.record import Recording
-from graphnav.studies.ablation.plan.plan import Plan
+from graphnav.studies.ablation.plan.plan import Job, Plan
+from graphnav.studies.ablation.report import EarlyMaps
 from graphnav.studies.ablation.results.records import failure_folder, read_records
 
 from .example_study import Page, plan_of, report
@@ -44,6 +45,20 @@ def test_the_paths_of_all_variants_are_on_the_map(study: tuple[Plan, Path]) -> N
     assert (folder / "paths" / "corridor_ccw" / "3.png").is_file()
     assert 'alt="paths through world 3 of corridor_ccw"' in text
     assert "seed 3: 2 timeout" in text
+
+
+def test_a_first_world_is_drawn_when_its_last_run_is_made(study: tuple[Plan, Path]) -> None:
+    plan, folder = study
+    file = folder / "paths" / "corridor_ccw" / "3.png"
+    report(plan, read_records(plan, folder), folder)
+    at_the_end = file.read_bytes()
+    file.unlink()
+    early = EarlyMaps(plan, Catalog(), folder)
+    early.add(Job(plan.cases[0], 3))
+    assert not early.drawn
+    early.add(Job(plan.cases[1], 3))
+    assert early.drawn == {file}
+    assert file.read_bytes() == at_the_end
 
 
 def test_a_failure_shows_its_cause_and_its_panels(study: tuple[Plan, Path]) -> None:
