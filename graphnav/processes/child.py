@@ -9,6 +9,7 @@ import socket
 import sys
 
 from graphnav.core.machine import peer_of
+from graphnav.processes.frames import with_room
 
 _PR_SET_PDEATHSIG = 1
 
@@ -32,7 +33,7 @@ def connected(address: str, parent: int) -> socket.socket | None:
     for number in (signal.SIGINT, signal.SIGTERM):  # sent to a group: this process ends with the run
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_SETMASK, [])  # blocked signals are inherited from the parent thread
-    link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    link = with_room(socket.socket(socket.AF_UNIX, socket.SOCK_STREAM))
     link.connect(address)
     return link if peer_of(link) == (parent, os.getuid()) else None
 

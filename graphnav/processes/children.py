@@ -15,6 +15,7 @@ from typing import IO
 from graphnav import GraphnavError
 from graphnav.core.machine import ONE_THREAD, environment_alike, peer_of
 from graphnav.processes.descriptors import is_readable
+from graphnav.processes.frames import with_room
 from graphnav.processes.output_lines import OutputLines
 from graphnav.processes.warden import VARIABLE, end_marked, remove_folder
 from graphnav.processes.wardens import Wardens
@@ -79,7 +80,7 @@ class Children:
         link, _ = self.listener.accept()
         pid, user = peer_of(link)
         if pid in expected and user == os.getuid():
-            return pid, link
+            return pid, with_room(link)
         link.close()
         return None
 

@@ -22,6 +22,8 @@ _SIZE = struct.Struct("<I")
 _JOINED_BYTES = 1 << 16
 """Smaller frames are copied into one piece, which costs less than a list of pieces."""
 _MAX_PIECES = 512
+_ROOM_BYTES = 4 << 20
+"""Of a socket between processes, as far as the machine grants it (net.core.wmem_max)."""
 
 
 class Kind(IntEnum):
@@ -62,6 +64,15 @@ class Frame(NamedTuple):
     kind: int
     head: Any
     messages: tuple[bytes, ...] = ()
+
+
+def with_room(link: socket.socket) -> socket.socket:
+    """Return a socket of this machine after giving it room to send a large frame at once.
+
+    Of what does not fit each piece wakes the other side, and waits for it.
+    """
+    link.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _ROOM_BYTES)
+    return link
 
 
 def send(link: socket.socket, frame: Frame) -> None:
