@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
+from textwrap import indent
 from typing import NamedTuple
 
 from graphnav import Graph, GraphnavError, Image
@@ -58,9 +59,8 @@ class Fit:
             line = f"does not fit on {where}: {self.wanted_hz:g} Hz at any size" + (
                 f" ({measured})" if measured else ""
             )
-        return "\n".join(
-            [line, *(f"  {_size(rate)} does not run: {rate.failure}" for rate in self.rates if rate.failure)]
-        )
+        failed = (indent(f"{_size(rate)} does not run: {rate.failure}", "  ") for rate in self.rates if rate.failure)
+        return "\n".join([line, *failed])
 
 
 def measure_fit(graph: Graph, clock: Clock, percent: float | None, notice: Callable[[str], None]) -> Fit:
@@ -100,14 +100,12 @@ def _rate(
             if quota is not None:
                 quota.join()
             found = measure(graph, stages, Path(scratch), functions=False, clock=clock, notice=notice)
-    except NothingMeasuredError as error:
-        if error.outcome == "stopped":
-            raise
-        return Rate(size, 0.0, str(error).splitlines()[0])
     except GraphnavError as error:
-        return Rate(size, 0.0, str(error).splitlines()[0])
+        if isinstance(error, NothingMeasuredError) and error.outcome == "stopped":
+            raise
+        return Rate(size, 0.0, str(error))
     if found.failure:
-        return Rate(size, 0.0, found.failure.splitlines()[0])
+        return Rate(size, 0.0, found.failure)
     return Rate(size, 1e3 / found.tick_p99_ms)
 
 
