@@ -17,4 +17,4 @@ def test_help_lists_the_parts(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_part_that_does_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         bench.arguments(["speed"])
-    assert capsys.readouterr().err.endswith(f"there is no part 'speed'; parts are {', '.join(bench.PARTS)}\n")
+    assert capsys.readouterr().err.endswith(f"'speed' is not a part; parts are {', '.join(bench.PARTS)}\n")

@@ -11,6 +11,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import bench_ablate
 import bench_budget
@@ -140,7 +141,8 @@ PARTS: Mapping[str, Callable[[], Iterator[Judged]]] = {
 def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     """Return the arguments of the command line; its help lists the parts, and the benchmarks beside this one."""
     parts = "\n".join(f"  {name:10} {(part.__doc__ or '').strip()}" for name, part in PARTS.items())
-    others = "bench_edges, bench_live, bench_peers, bench_record, bench_replay, bench_ros2, bench_spy"
+    programs = (path.stem for path in sorted(Path(__file__).parent.glob("bench_*.py")))
+    others = ", ".join(name for name in programs if name not in globals())
     parser = argparse.ArgumentParser(
         description=__doc__,
         epilog=f"parts:\n{parts}\n\nprograms of their own, python tools/NAME.py: {others}",
@@ -150,7 +152,7 @@ def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--budget", action="store_true", help="graphs on a half, a quarter and a tenth of a core")
     args = parser.parse_args(words)
     if unknown := [part for part in args.parts if part not in PARTS]:
-        parser.error(f"there is no part '{unknown[0]}'; parts are {', '.join(PARTS)}")
+        parser.error(f"'{unknown[0]}' is not a part; parts are {', '.join(PARTS)}")
     return args
 
 

@@ -146,8 +146,7 @@ def test_what_a_tap_leaves_out_is_told_apart(start: Start, tmp_path: Path, group
     status, out, _ = process.end()
     assert status == 0
     assert left_out > 0
-    lost = f"{left_out:,} messages lost (missing sequence numbers), {left_out:,} of them left out by the tap of a run"
-    assert lost in out
+    assert f"{left_out:,} messages lost (missing sequence numbers), at least {left_out:,} of them left out by" in out
 
 
 def status_of(run_id: str, tap_dropped: int) -> Status:

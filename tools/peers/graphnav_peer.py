@@ -1,6 +1,6 @@
 """graphnav: an image from a camera stage to a stage in another process.
 
-Role ``edge``: of one live graph, a process for each stage; there is no buffer to choose. Role ``channel``: an LCM
+Role ``edge``: of one live graph, a process for each stage; its buffers cannot be chosen. Role ``channel``: an LCM
 output of one live graph is an input of another. With stock buffers its listener has the 212,992 bytes that a stock
 Linux grants; large ones are those that graphnav asks for.
 """

@@ -78,7 +78,7 @@ def main(args: CommandArguments) -> int:
         with _folder(args.folder, graph) as folder:
             profile = _measure(args, graph, stages, folder, report)
         wants_fit = (args.fit or args.budget is not None) and not profile.failure and profile.outcome != "stopped"
-        fit = measure_fit(graph, args.clock, args.budget, print_notice) if wants_fit else None
+        fit = measure_fit(graph, profile.rate_hz, args.clock, args.budget, print_notice) if wants_fit else None
     except NothingMeasuredError as error:
         report.print(str(error))
         return Exit.INTERRUPTED if error.outcome == "stopped" else Exit.FAILED

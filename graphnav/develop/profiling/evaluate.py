@@ -43,6 +43,7 @@ def profile_of(graph: Graph, spans: TickSpans, summary: Summary, clock: Clock, r
         clock=clock,
         ticks={kind.name.lower(): count for kind, count in sorted(spans.kinds.items(), key=lambda item: item[0].name)},
         parts={part: ns / n_ticks / 1e6 for part, ns in parts.items()},
+        rate_hz=(summary.frames - 1) / summary.sim_s if summary.sim_s else 0.0,
         tick_ms=total_ns / n_ticks / 1e6,
         tick_p50_ms=watch.root.ticks.quantile_s(0.5) * 1e3,
         tick_p99_ms=watch.root.ticks.quantile_s(0.99) * 1e3,

@@ -52,19 +52,21 @@ class Fit:
         fitting = [rate for rate in runs if rate.hz >= self.wanted_hz]
         if self.rates[0].size is None and runs:
             verb = "fits" if fitting else "does not fit"
-            line = f"{verb} on {where}: {self.wanted_hz:g} Hz (measured {runs[0].hz:.3g} Hz; one size of pictures)"
+            line = f"{verb} on {where}: {self.wanted_hz:.3g} Hz (measured {runs[0].hz:.3g} Hz; one size of pictures)"
         elif fitting:
-            line = f"fits on {where}: {self.wanted_hz:g} Hz up to {_size(fitting[-1])} (measured {measured})"
+            line = f"fits on {where}: {self.wanted_hz:.3g} Hz up to {_size(fitting[-1])} (measured {measured})"
         else:
-            line = f"does not fit on {where}: {self.wanted_hz:g} Hz at any size" + (
+            line = f"does not fit on {where}: {self.wanted_hz:.3g} Hz at any size" + (
                 f" ({measured})" if measured else ""
             )
         failed = (indent(f"{_size(rate)} does not run: {rate.failure}", "  ") for rate in self.rates if rate.failure)
         return "\n".join([line, *failed])
 
 
-def measure_fit(graph: Graph, clock: Clock, percent: float | None, notice: Callable[[str], None]) -> Fit:
-    """Run a graph briefly with each size of pictures, until one is too large for its rate.
+def measure_fit(
+    graph: Graph, wanted_hz: float, clock: Clock, percent: float | None, notice: Callable[[str], None]
+) -> Fit:
+    """Run a graph briefly with each size of pictures, until one is too large for its rate, ``wanted_hz``.
 
     ``percent``: on this share of one core. Pictures are those of the first source that has a size; a graph without
     one is measured as it is. The world that a graph simulates is part of its ticks.
@@ -75,8 +77,6 @@ def measure_fit(graph: Graph, clock: Clock, percent: float | None, notice: Calla
         The processor cannot be limited.
     """
     source = next((node for node in graph.sources if _has_size(node)), None)
-    paced = source or graph.sources[0]
-    wanted_hz = float(paced.params["rate_hz"])
     until_s = _N_TICKS / wanted_hz
     if graph.run.until_s is not None:
         until_s = min(until_s, graph.run.until_s)

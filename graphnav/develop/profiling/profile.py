@@ -107,6 +107,8 @@ class Profile:
     parts: dict[str, float]
     """Milliseconds of a tick by part: ``step``, ``check``, ``encode``, ``deliver``, ``decode``, ``log``, ``tap``;
     ``instruments``, at least; and ``runner``, the remainder."""
+    rate_hz: float
+    """Ticks in a second of the graph's own time, 0 if none of that passed."""
     tick_ms: float
     """The mean tick, the sum of ``parts``."""
     tick_p50_ms: float

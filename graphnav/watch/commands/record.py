@@ -153,7 +153,9 @@ def _losses(recorder: Recorder) -> Iterator[str]:
     """Yield the losses by cause, if there are any."""
     if lost := recorder.statistics.lost:
         left_out = min(lost, recorder.statistics.left_out)
-        by_tap = f", {left_out:,} of them left out by the tap of a run, whose own log has them" if left_out else ""
+        by_tap = (
+            f", at least {left_out:,} of them left out by the tap of a run, whose own log has them" if left_out else ""
+        )
         yield f"{counted(lost, 'message')} lost (missing sequence numbers){by_tap}"
     if recorder.dropped_packets:
         yield f"{counted(recorder.dropped_packets, 'packet')} dropped by the kernel"

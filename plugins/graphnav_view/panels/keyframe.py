@@ -19,7 +19,7 @@ MAX_SPIN_RADPS = 0.05
 """Maximum turning rate of nearly straight driving."""
 
 MIN_SPEED_RATIO = 0.9
-"""Share of the median speed from which on a robot drives, or a picture moves: from rest there is no flow to see."""
+"""Share of the median speed from which on a robot drives, or a picture moves: a robot at rest shows no motion."""
 
 
 @dataclass(frozen=True)

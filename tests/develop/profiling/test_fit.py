@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from graphnav import UserError
@@ -49,6 +51,19 @@ def test_a_graph_is_measured_with_larger_and_larger_pictures(
     assert main(["profile", "world.yaml", "--fit"]) == 0
     last = capsys.readouterr().out.splitlines()[-1]
     assert re.match(r"(fits|does not fit) on this machine: 100 Hz .*160x120: [\d.e+]+ Hz", last)
+
+
+def test_the_rate_of_a_video_is_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    writer = cv2.VideoWriter("drive.mp4", cv2.VideoWriter.fourcc(*"mp4v"), 20.0, (160, 120))
+    for level in range(60):
+        writer.write(np.full((120, 160, 3), level, np.uint8))
+    writer.release()
+    Path("video.yaml").write_text("stages:\n  camera: {use: io.video, with: {path: drive.mp4}}\n")
+    assert main(["profile", "video.yaml", "--fit"]) == 0
+    assert "on this machine: 20 Hz" in capsys.readouterr().out.splitlines()[-1]
 
 
 def test_a_share_of_a_core(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -77,7 +77,10 @@ _OWN = {
 }
 """Options of ``run:`` that a study decides itself."""
 _OF_AXES = {
-    "record": ("all logs of a study keep the same", "write set: [run.record=replayable], which is for all runs")
+    "record": (
+        "all logs of a study keep the same",
+        "give it for all runs: --set run.record=replayable, or set: [run.record=replayable] in the study's file",
+    )
 }
 """Options of ``run:`` that no axis may have."""
 
