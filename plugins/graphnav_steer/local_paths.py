@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import cv2
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from graphnav import LocalMap
 from graphnav.arrays import Bools, Doubles, Indices, Ints
@@ -61,6 +60,11 @@ class Paths(NamedTuple):
         return np.column_stack(np.divmod(self.cells[numbers[::-1]], self.cost_m.shape[1]))
 
 
+def load_search() -> None:
+    """Load the library of the search, which takes long: not in a step, nor where stages are only listed."""
+    importlib.import_module("scipy.sparse.csgraph")
+
+
 def cheapest_paths(
     start: tuple[int, int], passable: Bools, price: Doubles, cell_m: float, limit_m: float = math.inf
 ) -> Paths:
@@ -68,6 +72,9 @@ def cheapest_paths(
 
     ``passable``: (rows, cols); ``price``: (n,), cost of a metre on each of these cells, in row-major order.
     """
+    from scipy.sparse import csr_array  # noqa: PLC0415 - see `load_search`
+    from scipy.sparse.csgraph import dijkstra  # noqa: PLC0415
+
     cells, n = np.flatnonzero(passable), len(price)
     # Around the grid and where it is not passable is one cell more, number n, where a step costs infinitely much.
     number = np.full((passable.shape[0] + 2, passable.shape[1] + 1), n, np.int32)
@@ -99,6 +106,7 @@ class NearSearch:
     """
 
     def __init__(self) -> None:
+        load_search()
         self._limit_m = math.inf
 
     def cheapest(self, start: tuple[int, int], floor: Floor, ends: Indices, beyond_m: Doubles) -> tuple[int, Indices]:

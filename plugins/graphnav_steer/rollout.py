@@ -10,7 +10,7 @@ import numpy as np
 
 from graphnav import Goal, Latest, LocalMap, Motion, Stage, Twist, param
 from graphnav.arrays import Doubles, Indices
-from graphnav_steer.local_paths import Paths, cell_below, cheapest_paths
+from graphnav_steer.local_paths import Paths, cell_below, cheapest_paths, load_search
 from graphnav_steer.speed_window import measured_speeds, window
 
 _STEP_S = 0.05
@@ -139,6 +139,7 @@ class Rollout(Stage):
 
     def reset(self, seed: int) -> None:  # noqa: ARG002  # nothing is random
         """Forget turns on the spot and escapes."""
+        load_search()
         self._turn: _Turn | None = None
         self._escape: _Turn | None = None
 
