@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -41,6 +42,8 @@ STEPS: dict[str, list[str]] = {
     "tests": [*TESTS, "--dist", "worksteal"],
 }
 TESTING = ("tests", "changed")
+BESIDE = ("types", "docs")
+"""Steps that take minutes of one core: they take what the tests leave, which often wait, and are told after them."""
 QUICK = ["format", "lint", "types", "architecture", "changed"]
 """The steps of ``quick``; types take no time where mypy has its cache."""
 WITHIN_S = 30
@@ -144,9 +147,9 @@ def _run(step: str, *, is_shown: bool) -> tuple[bool, str]:
     begin = time.monotonic()
     where = None if is_shown else subprocess.PIPE
     errors = None if is_shown else subprocess.STDOUT
-    done = subprocess.run(
-        command_of(step), cwd=ROOT, env=_environment(), stdout=where, stderr=errors, text=True, check=False
-    )
+    gives_way = ["nice", "-n", "19"] if step in BESIDE and shutil.which("nice") else []
+    command = [*gives_way, *command_of(step)]
+    done = subprocess.run(command, cwd=ROOT, env=_environment(), stdout=where, stderr=errors, text=True, check=False)
     has_failed = done.returncode != 0 and not (step == "changed" and done.returncode == NO_TESTS)
     told = ""
     if step == "tests" and done.returncode == TESTS_FAILED and 0 < len(failed := last_failed(ROOT)) <= FEW:
@@ -181,7 +184,7 @@ def _compile_tests() -> None:
 def main() -> int:
     """Run the steps named on the command line, else all of CI; return 1 if one failed.
 
-    Steps without tests use one core each, so that several run at once; the tests use all.
+    Steps without tests use one core each, so that several run at once; those that take long go on beside the tests.
     """
     wanted = [step for name in sys.argv[1:] for step in (QUICK if name == "quick" else [name])] or list(STEPS)
     if unknown := [name for name in wanted if name not in (*STEPS, "changed")]:
@@ -189,9 +192,11 @@ def main() -> int:
         return 2
     failed = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        begun = {step: pool.submit(_run, step, is_shown=False) for step in wanted if step not in TESTING}
+        last = BESIDE if "tests" in wanted else ()
+        order = sorted(wanted, key=lambda step: (step in last, step in TESTING))
         compiling = pool.submit(_compile_tests) if "tests" in wanted else None
-        for step in sorted(wanted, key=TESTING.__contains__):
+        begun = {step: pool.submit(_run, step, is_shown=False) for step in order if step not in TESTING}
+        for step in order:
             if step == "tests" and compiling:
                 compiling.result()
             print(f"== {step}", flush=True)
