@@ -125,7 +125,7 @@ class LucasKanade(Stage):
         """Forget the last image."""
         self._frames = Frames()
         self._enlargement = Enlargement(self.smooth_px)
-        self._average = box(max(self.smooth_px / 2, 1.0))
+        self._average = box(max((self.smooth_px**2 - 9) / 4, 1.0) ** 0.5)
         self._pyramids: list[Pyramid] = []
         self._normalization: Normalization | None = None
 
