@@ -143,6 +143,8 @@ class ProcessSchedule(LiveSchedule):
         """The stages among them whose results are not used."""
         self._held: frozenset[str] = frozenset()
         """The stages that begin no step, for a change."""
+        self._has_stepped = self._is_put_off = False
+        """Whether the last turn stepped a stage of this process: its readers begin before others are heard."""
         processes.watch(wake.fileno())
 
     @property
@@ -213,7 +215,9 @@ class ProcessSchedule(LiveSchedule):
         self._calls.wait_for(next(iter(self._flying.values())).call if self._flying else None)
 
     def _take_results(self) -> str | None:
-        self._processes.wait(0.0)
+        self._is_put_off, self._has_stepped = self._has_stepped and not self._is_put_off, False
+        if not self._is_put_off:
+            self._processes.wait(0.0)
         outcome = self._take_ended()
         self._raise_if_down()
         now_s = self.clock.now_s()
@@ -238,6 +242,7 @@ class ProcessSchedule(LiveSchedule):
 
     def _step(self, unit: Unit[LiveInbox], utime: int, taken: Taken, ready_s: float | None) -> str | None:
         if not isinstance(unit, RemoteUnit):
+            self._has_stepped = True
             return super()._step(unit, utime, taken, ready_s)
         name, now_s = unit.node.name, self.clock.now_s()
         timer = next((timer for timer, source in self._sources if source is unit), None)

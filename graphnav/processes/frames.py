@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import socket
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from enum import IntEnum
 from typing import Any, NamedTuple
@@ -22,6 +22,9 @@ _SIZE = struct.Struct("<I")
 _JOINED_BYTES = 1 << 16
 """Smaller frames are copied into one piece, which costs less than a list of pieces."""
 _MAX_PIECES = 512
+_WARM_BYTES = 16 << 20
+"""Frames up to this size are read into memory that a `Link` keeps."""
+_ENCODE, _DECODE = json.JSONEncoder(separators=(",", ":")).encode, json.JSONDecoder().decode
 _ROOM_BYTES = 4 << 20
 """Of a socket between processes, as far as the machine grants it (net.core.wmem_max)."""
 
@@ -59,7 +62,7 @@ class Kind(IntEnum):
 
 
 class Frame(NamedTuple):
-    """A frame: ``head`` is what JSON holds, ``messages`` are encoded."""
+    """A frame: ``head`` is what JSON holds, ``messages`` are encoded; views of bytes where `receive` has made it."""
 
     kind: int
     head: Any
@@ -85,7 +88,7 @@ def send(link: socket.socket, frame: Frame) -> None:
 
 
 def receive(link: socket.socket) -> Frame:
-    """Wait for a frame.
+    """Wait for a frame; its messages are views of what has arrived, which is not copied.
 
     Raises
     ------
@@ -96,7 +99,7 @@ def receive(link: socket.socket) -> Frame:
     ValueError
         It sent something else.
     """
-    return _unpacked(_received(link, _n_bytes(_received(link, _LENGTH.size), MAX_BYTES)))
+    return _unpacked(_received(link, _n_bytes(_received(link, _LENGTH.size), MAX_BYTES)), lambda view: view)
 
 
 class Link:
@@ -112,7 +115,8 @@ class Link:
         self._socket = connection
         connection.settimeout(0.0)
         self._unsent: list[memoryview] = []
-        self._data, self._at, self._reads_length = _piece(_LENGTH.size), 0, True
+        self._kept = memoryview(b"")
+        self._data, self._at, self._reads_length = self._room(_LENGTH.size), 0, True
 
     @property
     def is_sending(self) -> bool:
@@ -147,9 +151,10 @@ class Link:
                 self._read()
                 data, was_length = self._data, self._reads_length
                 n_bytes = _n_bytes(data, self.max_bytes) if was_length else _LENGTH.size
-                self._data, self._at, self._reads_length = _piece(n_bytes), 0, not was_length
-                if not was_length:
-                    return _unpacked(data)
+                frame = None if was_length else _unpacked(data, bytes)
+                self._data, self._at, self._reads_length = self._room(n_bytes), 0, not was_length
+                if frame is not None:
+                    return frame
         return None
 
     def _read(self) -> None:
@@ -161,9 +166,13 @@ class Link:
             self._at += n_more
             self.n_received += n_more
 
-
-def _piece(n_bytes: int) -> memoryview:
-    return memoryview(bytearray(n_bytes))
+    def _room(self, n_bytes: int) -> memoryview:
+        """Return memory for what is read next: the same again, if it is not large."""
+        if n_bytes > _WARM_BYTES:
+            return memoryview(bytearray(n_bytes))
+        if n_bytes > len(self._kept):
+            self._kept = memoryview(bytearray(n_bytes))
+        return self._kept[:n_bytes]
 
 
 def _n_bytes(data: memoryview, max_bytes: int) -> int:
@@ -173,21 +182,22 @@ def _n_bytes(data: memoryview, max_bytes: int) -> int:
     return int(n_bytes)
 
 
-def _unpacked(data: memoryview) -> Frame:
+def _unpacked(data: memoryview, kept: Callable[[memoryview], Any]) -> Frame:
+    """Return a frame; ``kept`` makes its messages from their places in ``data``."""
     n_bytes = len(data)
     kind, n_head, n_messages = _HEADER.unpack_from(data)
     at = _HEADER.size + n_messages * _SIZE.size
     if at + n_head > n_bytes:
         raise ValueError(f"a frame of {n_bytes} bytes that says it holds {at + n_head} or more")
     try:
-        head = json.loads(bytes(data[at : at + n_head]))
+        head = _DECODE(str(data[at : at + n_head], "utf-8"))
     except RecursionError as error:
         raise ValueError("a frame that is nested too deeply") from error
     at += n_head
     messages = []
     for k in range(n_messages):
         (size,) = _SIZE.unpack_from(data, _HEADER.size + k * _SIZE.size)
-        messages.append(bytes(data[at : at + size]))
+        messages.append(kept(data[at : at + size]))
         at += size
     if at != n_bytes:
         raise ValueError(f"a frame of {n_bytes} bytes that says it holds {at}")
@@ -195,7 +205,7 @@ def _unpacked(data: memoryview) -> Frame:
 
 
 def _packed(frame: Frame) -> Sequence[bytes]:
-    head = json.dumps(frame.head, separators=(",", ":")).encode()
+    head = _ENCODE(frame.head).encode()
     sizes = struct.pack(f"<{len(frame.messages)}I", *map(len, frame.messages))
     header = _HEADER.pack(frame.kind, len(head), len(frame.messages)) + sizes + head
     n_bytes = len(header) + sum(map(len, frame.messages))
@@ -217,10 +227,11 @@ def _send_pieces(link: socket.socket, pieces: list[memoryview]) -> None:
 
 
 def _received(link: socket.socket, n_bytes: int) -> memoryview:
-    data, at = _piece(n_bytes), 0
-    while at < n_bytes:
-        n_more = link.recv_into(data[at:])
-        if not n_more:
+    """Wait for so many bytes; they come as one piece, unless a signal or a time limit of the socket interferes."""
+    pieces: list[bytes] = []
+    while n_bytes:
+        pieces.append(link.recv(n_bytes, socket.MSG_WAITALL))
+        if not pieces[-1]:
             raise EOFError
-        at += n_more
-    return data
+        n_bytes -= len(pieces[-1])
+    return memoryview(pieces[0] if len(pieces) == 1 else b"".join(pieces))

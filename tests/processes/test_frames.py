@@ -8,9 +8,13 @@ import struct
 import threading
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 
+from graphnav import Image
+from graphnav.core.codec import decode, encode
 from graphnav.core.machine import peer_of
+from graphnav.core.messages import Gap
 from graphnav.processes.frames import Frame, Kind, Link, receive, send
 
 
@@ -106,3 +110,26 @@ def test_a_link_takes_no_longer_frames_than_it_is_told(links: tuple[socket.socke
 
 def test_the_other_side_is_known(links: tuple[socket.socket, socket.socket]) -> None:
     assert peer_of(links[0]) == (os.getpid(), os.getuid())
+
+
+def test_messages_of_a_link_do_not_change_when_it_reads_the_next_frame(
+    links: tuple[socket.socket, socket.socket],
+) -> None:
+    link = Link(links[0])
+    send(links[1], Frame(Kind.ANSWER, {}, (b"a" * 1000,)))
+    first = link.receive()
+    send(links[1], Frame(Kind.ANSWER, {}, (b"b" * 1000,)))
+    assert link.receive() == Frame(Kind.ANSWER, {}, (b"b" * 1000,))
+    assert first == Frame(Kind.ANSWER, {}, (b"a" * 1000,))
+
+
+def test_a_message_is_read_where_it_has_arrived(links: tuple[socket.socket, socket.socket]) -> None:
+    told = Gap(from_us=1, n_messages=2, reason="no room (\N{DEGREE SIGN})")
+    send(
+        links[0], Frame(Kind.FIRE, None, (encode(told, 5, 6), encode(Image(pixels=np.eye(400, dtype=np.uint8)), 7, 8)))
+    )
+    text, picture = receive(links[1]).messages
+    assert decode(Gap, text)[2].reason == told.reason
+    pixels = decode(Image, picture)[2].pixels
+    assert np.shares_memory(pixels, np.frombuffer(picture, np.uint8))
+    assert np.array_equal(pixels, np.eye(400, dtype=np.uint8))

@@ -85,7 +85,7 @@ def _decoder_of(message_class: type[Message]) -> MessageDecoder:
 
 def _type_of(message_class: type[Message], data: bytes) -> type:
     """Return the former type of a message class that the bytes begin with, else its type."""
-    former = (one for one in message_class.former_lcm_classes if data.startswith(fingerprint(one)))
+    former = (one for one in message_class.former_lcm_classes if data[:8] == fingerprint(one))
     return next(former, message_class.lcm_class)
 
 

@@ -230,7 +230,7 @@ def _read_string(name: str, data: bytes, at: int) -> tuple[str, int]:
     if not length or end > len(data):
         expected = "1 or more, with the NUL" if not length else f"{len(data) - start} at most, which are left"
         raise DecodeError(f"the length of the string {name} is {length}, expected {expected}")
-    return data[start : end - 1].decode("utf-8", "replace"), end
+    return str(data[start : end - 1], "utf-8", "replace"), end
 
 
 def read_strings(data: bytes, at: int, count: int) -> tuple[tuple[str, ...], int]:

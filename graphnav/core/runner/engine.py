@@ -272,8 +272,11 @@ class Engine(Generic[I]):
 
     def deliver_bytes(self, channel: str, utime: int, number: int, data: bytes) -> None:
         """Give a message to every stage of another process that reads its channel."""
+        readers = self._remote_readers.get(channel)
+        if not readers:
+            return
         encoded = Encoded(data)
-        for unit, port in self._remote_readers.get(channel, ()):
+        for unit, port in readers:
             self._arrived(unit.inbox, port, utime, number, encoded)
 
     def _fire(self, unit: Unit[I], stamp: int, inputs: dict[str, Any], age_s: float) -> str | None:
@@ -294,9 +297,10 @@ class Engine(Generic[I]):
         data = self._encode(channel, utime, number, message)
         if self._published is not None:
             self._published(channel, utime, number, message, data)
+        self.deliver_bytes(name, utime, number, data)
         for sink in self.sinks:
             sink.write(name, utime, data)
-        if is_read:
+        if name in self._local_readers:
             self._bus.publish(name, data)
 
     def _check_stamp(self, channel: str, firing: int, utime: int) -> None:
@@ -315,7 +319,11 @@ class Engine(Generic[I]):
         self._check_stamp(channel.name, firing, utime)
         if self._published is not None:
             self._published(channel, utime, self.next_number(channel.name), Encoded(data), data)
-        self.play(channel.name, utime, data, ())
+        if channel.name in self._remote_readers:
+            number = codec_of(channel.message.lcm_class).peek(data, "seq") or 0
+            self.deliver_bytes(channel.name, utime, number, data)
+        if channel.name in self._local_readers:
+            self._receive(channel, channel.name, data)
 
     def _record(self, channel: Channel, utime: int, data: bytes) -> None:
         """Give it to the sinks, in its turn."""
@@ -324,12 +332,8 @@ class Engine(Generic[I]):
             sink.write(channel.name, utime, data)
 
     def _receive(self, channel: Channel, name: str, data: bytes) -> None:
-        if name in self._remote_readers:
-            codec = codec_of(channel.message.lcm_class)
-            self.deliver_bytes(name, codec.peek(data, "utime") or 0, codec.peek(data, "seq") or 0, data)
-        if name in self._local_readers:
-            utime, number, message = self._decode(channel, data)
-            self.deliver(name, utime, number, message)
+        utime, number, message = self._decode(channel, data)
+        self.deliver(name, utime, number, message)
 
 
 def seed_of(run_seed: int, stage: str) -> int:

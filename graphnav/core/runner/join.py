@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Any
 
@@ -32,7 +33,7 @@ class MatchedSet:
     held: Mapping[str, Held]
     ready_s: float
 
-    @property
+    @cached_property
     def birth_s(self) -> float:
         """The oldest birth in the set."""
         return min(held.birth_s for held in self.held.values())
@@ -93,8 +94,8 @@ class Join:
     def take(self, utime: int) -> MatchedSet:
         """Remove and return a complete set; drop everything older."""
         matched = self.peek(utime)
-        self.unmatched = Counter(dict.fromkeys(self._waiting, 0))
         for port, waiting in self._waiting.items():
+            self.unmatched[port] = 0
             older = [stamp for stamp in waiting if stamp <= utime]
             for stamp in older:
                 del waiting[stamp]
