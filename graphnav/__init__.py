@@ -7,7 +7,7 @@ and so that what numpy computes with can be pinned before it is loaded.
 from graphnav.core.exports import exports
 from graphnav.core.machine import pin
 
-__version__ = "0.20.0"
+__version__ = "0.21.0"
 
 pin()
 __getattr__, __dir__ = exports(__name__, __file__, "__version__")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
@@ -10,15 +12,13 @@ from graphnav import UserError
 from graphnav.core.machine import Console
 from graphnav.studies.ablation.execution import TimeEstimate
 from graphnav.studies.ablation.plan import Job
-from graphnav.studies.api.study_run import StudyRun
+from graphnav.studies.api.study_run import WORTH_TELLING_S, StudyRun
 from graphnav.studies.commands.study_progress import study_bar
 
-FEW_RUNS = 100
-"""So many runs and fewer begin without an estimate of their time."""
 MANY_RUNS = 1000
 """More runs than this need a confirmation."""
-WORTH_TELLING_S = 10.0
-"""Less time than this is not told."""
+LATER = 0.5
+"""So much more than the time left that was told last may it take until it is told once more."""
 
 
 class StudyConsole:
@@ -26,6 +26,8 @@ class StudyConsole:
 
     def __init__(self, console: Console, *, is_sure: bool) -> None:
         self._console, self._is_sure = console, is_sure
+        self._latest_s = math.inf
+        """When the study should have ended, as it was told; infinite before."""
         self._errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
     def accept(self, run: StudyRun) -> Sequence[Job] | None:
@@ -39,38 +41,41 @@ class StudyConsole:
         jobs, total = run.pending(), run.plan.n_jobs
         if len(jobs) < total:
             self._console.print(f"{total - len(jobs)} of {total} runs are finished already", markup=False)
-        if len(jobs) <= MANY_RUNS or self._is_sure:
-            if len(jobs) > FEW_RUNS:
-                self._console.print(_estimate_text(run.estimate(jobs), run.workers.at_once), markup=False)
-            return jobs
-        if not (sys.stdin.isatty() and self._console.is_terminal):
+        is_to_ask = len(jobs) > MANY_RUNS and not self._is_sure
+        if is_to_ask and not (sys.stdin.isatty() and self._console.is_terminal):
             what = f"{len(jobs)} runs are pending, and cannot ask for confirmation: not a terminal"
             raise UserError.of(what, "add --yes, or use fewer seeds")
-        if len(jobs) == total:
-            self._console.print("executing one run first, to measure its time")
-            run.make(jobs[:1])
-            jobs = jobs[1:]
-        if not _wants(len(jobs), run.seconds_a_run() / run.workers.at_once, self._console):
+        with study_bar(self._errors, run.plan.name, total - len(jobs), total, run.left_s) as on_made:
+            jobs = run.make_first(jobs, on_made, self.failed)
+        found = run.estimate(jobs)
+        text = "" if found is None else estimate_text(found, run.workers.at_once, if_needed=run.plan.until_clear)
+        if is_to_ask and not _wants(text or f"{len(jobs)} runs are pending", self._console):
             self._console.print("no more runs; --seeds and --vary make the study smaller")
             return None
+        if not is_to_ask and found is not None and found.max_s >= WORTH_TELLING_S:
+            self._console.print(text, markup=False)
+            self._latest_s = time.monotonic() + found.max_s
         return jobs
 
     @contextmanager
     def progress(
         self, title: str, done: int, total: int, left_s: Callable[[], float | None] | None = None
     ) -> Iterator[Callable[[str], None]]:
-        """Show the progress bar, and say once how long the runs take, as soon as each graph has some that are made."""
+        """Show the progress bar; tell the time left where none was told before, or where it is more than was told."""
         with study_bar(self._errors, title, done, total, left_s) as show:
-            made, is_told = done, left_s is None
+            made = done
 
             def on_made(outcome: str) -> None:
-                nonlocal made, is_told
+                nonlocal made
                 show(outcome)
                 made += 1
-                if not is_told and left_s is not None and (left := left_s()) is not None:
-                    is_told = True
-                    if left >= WORTH_TELLING_S:
-                        self._errors.print(f"{total - made} runs left, about {duration_text(left)}", markup=False)
+                left = left_s() if left_s is not None else None
+                if left is None or left < WORTH_TELLING_S:
+                    return
+                end_s = time.monotonic() + left
+                if math.isinf(self._latest_s) or end_s > self._latest_s:
+                    self._latest_s = end_s + LATER * left
+                    self._errors.print(f"{total - made} runs left, about {duration_text(left)}", markup=False)
 
             yield on_made
 
@@ -83,39 +88,25 @@ class StudyConsole:
         self._console.print(line, markup=False)
 
 
-def _estimate_text(found: TimeEstimate, at_once: int) -> str:
-    """Return the core-hours of runs, about, and what they suppose."""
-    begin = f"{found.n_runs} runs, {at_once} at once"
-    if found.n_unknown == found.n_runs:
-        return f"{begin}; {_unknown_text(found)}"
-    unknown = f", without {found.n_unknown} runs of which none is known" if found.n_unknown else ""
-    hours = f"about {found.core_s / 3600:.2g} core-hours ({duration_text(found.core_s / at_once)})"
-    return f"{begin}: {hours} if each lasts until its time limit and costs what the first does{unknown}"
+def estimate_text(found: TimeEstimate, at_once: int, *, if_needed: bool = False) -> str:
+    """Return how long runs will probably take; ``if_needed``: the results decide how many are made."""
+    condition = ", if the results need all worlds" if if_needed else ""
+    probable, lowest, highest = map(duration_text, (found.wall_s, found.min_s, found.max_s))
+    span = f"{probable} ({lowest} to {highest})"
+    return f"{found.n_runs} runs left, {at_once} at once: about {span}, with pictures and report{condition}"
 
 
-def _unknown_text(found: TimeEstimate) -> str:
-    """Return why the time of no run is known."""
-    if found.n_unlimited == found.n_runs:
-        return "they have no time limit"
-    what = "how long they take is not known"
-    if not found.n_unlimited:
-        return f"{what}, because the run that measures it failed"
-    have = "has" if found.n_unlimited == 1 else "have"
-    return f"{what}: {found.n_unlimited} of them {have} no time limit, and the run that measures the others failed"
-
-
-def _wants(n_jobs: int, seconds_each: float, console: Console) -> bool:
+def _wants(text: str, console: Console) -> bool:
     """Ask for confirmation of many runs."""
-    question = f"{n_jobs} runs are pending, about {duration_text(n_jobs * seconds_each)}. Continue? [y/N] "
     try:
-        return console.input(question, markup=False).strip().lower() in {"y", "yes"}
+        return console.input(f"{text}. Continue? [y/N] ", markup=False).strip().lower() in {"y", "yes"}
     except EOFError:
         return False
 
 
 def duration_text(seconds: float) -> str:
-    """Return a duration in words."""
+    """Return a duration in words, of two digits at most."""
     for unit, size in (("days", 86400), ("hours", 3600), ("minutes", 60)):
         if seconds >= 2 * size:
-            return f"{seconds / size:.0f} {unit}"
+            return f"{seconds / size:.2g} {unit}" if seconds < 10 * size else f"{seconds / size:.0f} {unit}"
     return f"{max(seconds, 1):.0f} seconds"

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 from graphnav.core.errors import GraphnavError
 from graphnav.core.graph import Graph
 from graphnav.core.interrupts import CtrlC, Interrupt, working_folder_restored
-from graphnav.core.machine import keep_freed_memory
 from graphnav.core.record.threaded_writer import Log
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner.engine import Engine, Outcome, Sink
@@ -97,7 +96,6 @@ class RecordedRun:
         CtrlC
             The user asked for the end before the stages were wired, or after the run had reached its own.
         """
-        keep_freed_memory()
         with ProgressFile(self._folder, marked) as progress, Interrupt() as interrupt:
             calls = StageCalls(progress.mark if marked else None)
             try:

@@ -8,9 +8,8 @@ from graphnav.studies.ablation.execution.execute_jobs import (
     pending_jobs,
 )
 from graphnav.studies.ablation.execution.local_processes import local_workers
-from graphnav.studies.ablation.execution.run_times import RunTimes
+from graphnav.studies.ablation.execution.run_times import RunTimes, TimeEstimate
 from graphnav.studies.ablation.execution.study_folder import LockedFolder, StudyFolder, read_plan
-from graphnav.studies.ablation.execution.time_estimate import TimeEstimate, estimate_time
 from graphnav.studies.ablation.execution.workers import Workers, cluster_workers
 
 __all__ = [
@@ -22,7 +21,6 @@ __all__ = [
     "Workers",
     "cluster_workers",
     "draw_failures",
-    "estimate_time",
     "execute",
     "local_workers",
     "pending_drawings",

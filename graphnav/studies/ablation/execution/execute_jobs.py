@@ -47,13 +47,6 @@ class TaskFactory:
         """Return the time limit of a run, simulated seconds; None without one."""
         return self._graphs[job.case.folder].run.until_s
 
-    def short_task(self, job: Job, until_s: float) -> Task:
-        """Return the task of a run that is stopped after ``until_s`` simulated seconds at the latest."""
-        graph = self._graphs[job.case.folder]
-        run = replace(graph.run, until_s=min(until_s, graph.run.until_s or until_s))
-        text = self._portable(replace(graph, run=run))
-        return replace(self.task(job), graph_yaml=text, keeps_log=False)
-
     def _text(self, case: Case) -> str:
         """Return the YAML of a case's graph that loads from any folder."""
         if case.folder not in self._texts:

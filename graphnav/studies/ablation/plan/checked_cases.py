@@ -144,9 +144,14 @@ class CheckedCase:
         return driving_stages(self.graph)
 
     @cached_property
+    def parts(self) -> dict[str, tuple[object, ...]]:
+        """The parts of each stage (`stage_parts`), by its name."""
+        return {node.name: stage_parts(node.use, node.params) for node in self.graph.nodes}
+
+    @cached_property
     def _made_of(self) -> dict[str, tuple[object, ...]]:
         """Use, parameters and wires of each stage, by its name."""
-        return {node.name: (node.name, *stage_parts(node.use, node.params), *_wires(node)) for node in self.graph.nodes}
+        return {node.name: (node.name, *self.parts[node.name], *_wires(node)) for node in self.graph.nodes}
 
     @property
     def identity(self) -> object:
@@ -208,9 +213,7 @@ def check_cases(
             problems.count_case(name)
             try:
                 case = _load(study, name, variant, read)
-                new = {
-                    part: node for node in case.graph.nodes if (part := stage_parts(node.use, node.params)) not in fine
-                }
+                new = {part: node for node in case.graph.nodes if (part := case.parts[node.name]) not in fine}
                 replace(case.graph, nodes=tuple(new.values())).make_stages()
                 fine |= new.keys()
                 checked.append(case)
@@ -269,7 +272,7 @@ def _swaps(overrides: Iterable[Override]) -> dict[str, str]:
 
 def stage_parts(use: str, params: Mapping[str, object]) -> tuple[object, ...]:
     """Return what a stage is made of; that of the same name and parameters passes the same checks."""
-    return use, *((name, repr(value)) for name, value in params.items())
+    return use, repr(list(params.items()))
 
 
 def _params_that_drive(source: Node, read: Collection[str]) -> dict[str, object]:

@@ -20,6 +20,7 @@ from graphnav.studies.ablation.results.fail_condition import (
 )
 from graphnav.studies.ablation.results.records import (
     Record,
+    expected_failures,
     failed_run_text,
     failure_folder,
     in_plan_order,
@@ -73,6 +74,7 @@ __all__ = [
     "compare",
     "contrasts",
     "difference_interval",
+    "expected_failures",
     "failed_cases",
     "failed_run_text",
     "failure_folder",

@@ -252,6 +252,27 @@ def worst_failures(plan: Plan, records: Iterable[Record], each: int) -> list[Job
         found = sorted(
             failed.get((case.graph, case.variant), ()), key=lambda r: (_WORST.index(Outcome(r.outcome)), r.seed)
         )
-        number = min(each, _OF_BASELINES) if case.role == "baseline" else each
-        chosen += [Job(case, record.seed) for record in found[:number]]
+        chosen += [Job(case, record.seed) for record in found[: _limit_of(case, each)]]
     return chosen
+
+
+def _limit_of(case: Case, each: int) -> int:
+    return min(each, _OF_BASELINES) if case.role == "baseline" else each
+
+
+def expected_failures(plan: Plan, records: Iterable[Record], each: int) -> float:
+    """Return how many failures `worst_failures` will probably find when all runs are made; ``records``: the first.
+
+    A case without runs fails as often as those of its graph do, a graph without any as all do.
+    """
+    failed: dict[tuple[str, ...], list[bool]] = {}
+    for record in records:
+        for key in ((), (record.graph,), (record.graph, record.variant)):
+            failed.setdefault(key, []).append(is_failure(plan, record))
+    expected = 0.0
+    for case in plan.cases if failed else ():
+        if not case.same_as:
+            keys = ((case.graph, case.variant), (case.graph,), ())
+            found = next(failed[key] for key in keys if key in failed)
+            expected += min(_limit_of(case, each), plan.n_worlds(case) * sum(found) / len(found))
+    return expected
