@@ -9,7 +9,7 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from graphnav import GuardState, State, Status, Stop, Twist
+from graphnav import GuardState, Odometry, State, Status, Stop, Twist
 from graphnav.core.cli import main
 from graphnav.core.codec import decode
 from graphnav.core.tap import Tap
@@ -78,6 +78,7 @@ def test_navigate_drives_a_robot_of_which_it_has_only_the_camera(live: Begin, ou
     navigation = live(PATIENT, "navigation")
     robot = live("extends: robot_live", "robot")
     program.wait_for(lambda: any(v_mps > 0.05 for _, v_mps in program.speeds("BASE_CMD")))
+    program.wait_for(lambda: any(decode(Odometry, data)[2].v_mps > 0.02 for data in program.of("ODOMETRY")))
     assert navigation.stop()[0].outcome == "stopped"
     summary, log = robot.stop()
     assert summary.outcome == "stopped"

@@ -29,16 +29,22 @@ RUNS_IN_A_ROW = 4
 interrupted study be far ahead of the others."""
 
 
+def in_rows(tasks: Iterable[Task], n_processes: int = 0) -> list[list[Task]]:
+    """Return tasks in their order, those that one process is to make one after another together.
+
+    ``n_processes``: where none takes over what another has not begun, so many of the last rows come as single tasks.
+    """
+    worlds = (list(group) for _, group in groupby(tasks, key=_world))
+    rows = [world[first : first + RUNS_IN_A_ROW] for world in worlds for first in range(0, len(world), RUNS_IN_A_ROW)]
+    n_shared = max(len(rows) - n_processes, 0)
+    return rows[:n_shared] + [[task] for row in rows[n_shared:] for task in row]
+
+
 class TaskQueue:
     """Hands out tasks in their order, several through one world to one process, until few are left."""
 
     def __init__(self, tasks: Iterable[Task]) -> None:
-        worlds = (list(group) for _, group in groupby(tasks, key=_world))
-        self._groups = deque(
-            deque(world[first : first + RUNS_IN_A_ROW])
-            for world in worlds
-            for first in range(0, len(world), RUNS_IN_A_ROW)
-        )
+        self._groups = deque(map(deque, in_rows(tasks)))
         self._taken: dict[Hashable, deque[Task]] = {}
 
     def __len__(self) -> int:

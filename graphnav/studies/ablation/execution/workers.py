@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import socket
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from typing import Any, Protocol
@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 
 from graphnav import GraphnavError, UserError, import_extra
 from graphnav.core.interrupts import ctrl_c_later
-from graphnav.studies.ablation.execution.local_processes import LocalWorkers
+from graphnav.studies.ablation.execution.local_processes import LocalWorkers, in_rows
 from graphnav.studies.ablation.worker import Result, Task
 
 _PATIENCE_S = 5
@@ -52,7 +52,9 @@ class ClusterWorkers:
                 parallel = Parallel(
                     -1, return_as="generator_unordered", batch_size=1, pre_dispatch=1 if one_at_a_time else "2*n_jobs"
                 )
-            yield from parallel(delayed(_perform_here)(task) for task in tasks)
+            groups = [[task] for task in tasks] if one_at_a_time else in_rows(tasks, self.at_once)
+            for results in parallel(delayed(_perform_here)(group) for group in groups):
+                yield from results
         except TimeoutError as error:
             what = f"the cluster at {self._address} has no worker"
             raise GraphnavError(f"{what}\n  start one: dask worker {self._address}") from error
@@ -92,15 +94,16 @@ def _knock(address: str) -> None:
     socket.create_connection((parts.hostname, parts.port), timeout=_PATIENCE_S).close()
 
 
-def _perform_here(task: Task) -> Result:
-    """Make a run in the process of this thread of a cluster's worker; it ends with the worker, or when idle."""
+def _perform_here(tasks: Sequence[Task]) -> list[Result]:
+    """Make runs in the process of this thread of a cluster's worker; it ends with the worker, or when idle."""
     if not hasattr(_OF_THREAD, "workers"):
         _OF_THREAD.workers = LocalWorkers(1)
+    results: list[Result] = []
     try:
-        [result] = _OF_THREAD.workers.perform_all([task])
+        results += _OF_THREAD.workers.perform_all(tasks)
     except GraphnavError as error:
-        return Result(task, {}, error=str(error))
-    return result  # type: ignore[no-any-return]
+        results.append(Result(tasks[0], {}, error=str(error)))
+    return results
 
 
 _OF_THREAD = threading.local()

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import pytest
 
-from graphnav.studies.ablation.execution.local_processes import RUNS_IN_A_ROW, TaskQueue
+from graphnav.studies.ablation.execution.local_processes import RUNS_IN_A_ROW, TaskQueue, in_rows
 from graphnav.studies.ablation.worker import Task
 
 
@@ -46,6 +46,15 @@ def test_of_many_variants_several_processes_share_a_world() -> None:
     queue = TaskQueue(tasks(range(2), 2 * RUNS_IN_A_ROW))
     seeds = [task.seed for _ in range(RUNS_IN_A_ROW) for taker in "ab" if (task := queue.take(taker))]
     assert seeds == [0] * 2 * RUNS_IN_A_ROW
+
+
+def test_a_cluster_gets_rows_and_at_the_end_single_tasks() -> None:
+    wanted = tasks(range(3), RUNS_IN_A_ROW + 2)
+    rows = in_rows(wanted, 2)
+    assert [task for row in rows for task in row] == wanted
+    assert [len(row) for row in rows] == [RUNS_IN_A_ROW, 2] * 2 + [1] * (RUNS_IN_A_ROW + 2)
+    assert all(len({task.seed for task in row}) == 1 for row in rows)
+    assert [len(row) for row in in_rows(wanted[:3], 8)] == [1] * 3
 
 
 def test_at_the_end_a_process_takes_what_another_has_not_begun() -> None:
