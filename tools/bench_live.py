@@ -247,16 +247,16 @@ def keeps_up() -> bool:
     """Print what became of a drive at 30 Hz, for each flow in one process and in many; return if one took all."""
     with tempfile.TemporaryDirectory() as scratch:
         events = record(Path(scratch) / "drive", 15.0, FAST_CAMERAS[0])
-        least = FAST_HZ * FAST_S
+        fewest = FAST_HZ * FAST_S
         for camera, more in itertools.product(FAST_CAMERAS, ((), ("--processes",))):
             n_missed, n_frames = frames_missed(events, camera, Path(scratch), *more)
-            least = min(least, n_missed)
+            fewest = min(fewest, n_missed)
             verdict = "MISS" if n_missed else "ok  "
             told = f"{camera}, {'a process for each stage' if more else 'one process'}"
             print(
                 f"{verdict} {FAST_HZ} Hz for {FAST_S} s, {told}: overtaken or lost {n_missed} of {n_frames}", flush=True
             )
-    return not least
+    return not fewest
 
 
 if __name__ == "__main__":

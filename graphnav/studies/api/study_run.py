@@ -36,7 +36,7 @@ from graphnav.studies.ablation.results import (
     worst_failures,
 )
 from graphnav.studies.ablation.stopping import jobs_of_next_round
-from graphnav.studies.ablation.worker import STALL_S
+from graphnav.studies.ablation.worker import STALL_S, Result
 from graphnav.studies.api.study_files import StudyFiles, write_study_files
 
 
@@ -127,9 +127,10 @@ class StudyRun:
             if record.outcome == Outcome.FAILED:
                 failed(record)
 
-        def kept(job: Job, took_s: float) -> None:
+        def kept(job: Job, result: Result) -> None:
             self._unmade.pop(job.folder, None)
-            self._times.add(job, took_s)
+            if not result.died:
+                self._times.add(job, result.took_s - result.set_up_s, result.set_up_s)
             self._maps.add(job)
 
         self._unmade |= {job.folder: job for job in jobs}

@@ -77,12 +77,12 @@ def execute(
     on_made: Callable[[str], None] = lambda _: None,
     on_failed: Callable[[Record], None] = lambda _: None,
     *,
-    on_kept: Callable[[Job, float], None] = lambda _job, _took_s: None,
+    on_kept: Callable[[Job, Result], None] = lambda _job, _result: None,
     on_died: Callable[[Job], None] = lambda _: None,
 ) -> None:
     """Make runs, in parallel, and keep each as soon as it is made; ``on_made`` gets its outcome.
 
-    Runs are made seed by seed, those with the longest time limits first; ``on_kept`` gets each and its wall time.
+    Runs are made seed by seed, those with the longest time limits first; ``on_kept`` gets each and its result.
 
     A failing stage is a result, which ``on_failed`` gets at once. A run whose process died is made once more when all
     others are done, alone, for it may have lacked memory; if it dies again, that is its result. ``on_died`` gets it
@@ -100,7 +100,7 @@ def execute(
         else:
             folder.keep(result.task.folder, result.files)
         outcome, job = Outcome.FAILED if result.died else result.outcome, made[result.task.folder]
-        on_kept(job, result.took_s)
+        on_kept(job, result)
         on_made(outcome)
         if outcome == Outcome.FAILED:
             on_failed(read_record(job.case, job.seed, folder.path / job.folder / RunFolder.SUMMARY))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from bisect import bisect
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
+from graphnav.studies.ablation.execution.local_processes import RUNS_IN_A_ROW
 from graphnav.studies.ablation.plan import Job
 
 ENOUGH = 3
@@ -70,21 +72,26 @@ class _Ratios:
 
 
 class RunTimes:
-    """The wall time of runs from start to end, over their time limits, by graph and case.
+    """The wall time of drives, over their time limits, by graph and case; and that of worlds until a drive begins.
 
-    A run takes what those of its case did and, the fewer these are, what those of its graph and of all graphs did.
+    A drive takes what those of its case did and, the fewer these are, what those of its graph and of all graphs did.
     Methods that fail early make all of them shorter than their limits.
     """
 
     def __init__(self, until_s: Callable[[Job], float | None]) -> None:
         self._until_s = until_s
-        self._all = _Ratios()
+        self._all, self._set_up = _Ratios(), _Ratios()
+        self._worlds = set[tuple[str, int]]()
         self._graphs: dict[str, _Ratios] = {}
         self._cases: dict[str, _Ratios] = {}
 
-    def add(self, job: Job, took_s: float) -> None:
-        """Add a run that was made."""
-        ratio = took_s / self._limit_s(job)
+    def add(self, job: Job, drove_s: float, set_up_s: float | None = None) -> None:
+        """Add a run that was made; the first through its world tells how long a world takes to make."""
+        world = job.case.graph, job.seed
+        if set_up_s is not None and world not in self._worlds:
+            self._worlds.add(world)
+            self._set_up.add(set_up_s)
+        ratio = drove_s / self._limit_s(job)
         self._all.add(ratio)
         self._graphs.setdefault(job.case.graph, _Ratios()).add(ratio)
         self._cases.setdefault(job.case.folder, _Ratios()).add(ratio)
@@ -96,9 +103,10 @@ class RunTimes:
         """
         if self._all.n < ENOUGH:
             return None
-        n_runs, limits = 0, dict[str, dict[str, float]]()
+        n_runs, limits, worlds = 0, dict[str, dict[str, float]](), Counter[tuple[str, int]]()
         for job in jobs:
             n_runs += 1
+            worlds[job.case.graph, job.seed] += 1
             of_cases = limits.setdefault(job.case.graph, {})
             of_cases[job.case.folder] = of_cases.get(job.case.folder, 0.0) + self._limit_s(job)
         core_s, variance, none = 0.0, 0.0, _Ratios()
@@ -108,6 +116,8 @@ class RunTimes:
             core_s += sum(limit_s * self._cases.get(case, none).mean(of_graph) for case, limit_s in of_cases.items())
             of_one = (made if made.n >= ENOUGH else self._all).variance
             variance += sum(of_cases.values()) ** 2 * of_one / (made.n + _OF_OTHERS)
+        if self._set_up.n:
+            core_s += self._set_up.own_mean * sum(math.ceil(n / RUNS_IN_A_ROW) for n in worlds.values())
         error_s = _DEVIATIONS * math.sqrt(variance) + _OF_MACHINE * core_s
         return TimeEstimate(n_runs, core_s * _BETWEEN / at_once, error_s * _BETWEEN / at_once)
 

@@ -66,6 +66,8 @@ class Result:
     """If it died: the last call into a stage, empty if that is not known."""
     took_s: float = 0.0
     """Wall time from its stages to its files; what a process does once, as imports, is left out."""
+    set_up_s: float = 0.0
+    """The part of it that is not spent driving: most of it makes the world, once for the runs through it in a row."""
     ends_process: bool = False
     """Whether the process that made it ends now: a stage does not return, so that it can make no other run."""
 
@@ -109,7 +111,8 @@ def _perform(task: Task, scratch: Path, send: Callable[[Result], None]) -> Resul
         return Result(task, {}, error=f"a process on {platform.node()} was told to stop")
     if task.draws and summary.frames:
         _draw(catalog, scratch)
-    return replace(_result(task, scratch, summary.outcome), took_s=time.monotonic() - begin_s)
+    took_s = time.monotonic() - begin_s
+    return replace(_result(task, scratch, summary.outcome), took_s=took_s, set_up_s=took_s - summary.wall_s)
 
 
 def _result(task: Task, scratch: Path, outcome: str) -> Result:

@@ -111,6 +111,18 @@ def test_runs_without_a_limit_are_estimated_by_those_made() -> None:
     assert found.wall_s == pytest.approx(10.0, rel=0.05)
 
 
+def test_a_world_is_made_once_for_the_runs_in_a_row() -> None:
+    times = RunTimes(lambda _: 60.0)
+    for seed in range(4):
+        times.add(Job(CASE, seed), 3.0, 2.0)
+        times.add(Job(OTHER, seed), 3.0, 0.1)
+    for variants, worlds in ((1, 20), (2, 20), (4, 20), (5, 40)):
+        cases = [replace(CASE, folder=f"runs/hall/{variant}") for variant in range(variants)]
+        found = times.estimate([Job(case, seed) for seed in range(10, 30) for case in cases], 1)
+        assert found is not None
+        assert found.wall_s == pytest.approx(20 * variants * 3.0 + worlds * 2.0, rel=0.05)
+
+
 def test_first_runs_are_from_all_over_the_study_and_each_comes_once() -> None:
     jobs = [Job(case, seed) for seed in range(20) for case in (CASE, OTHER, replace(LONG, folder="runs/laps/b"))]
     times = RunTimes(lambda _: 60.0)
