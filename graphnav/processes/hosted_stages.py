@@ -14,9 +14,8 @@ from graphnav import GraphnavError
 from graphnav.core.catalog import Catalog
 from graphnav.core.graph import Channel, part_of
 from graphnav.core.interrupts import CtrlC, raise_ctrl_c
-from graphnav.core.machine import keep_freed_memory
 from graphnav.core.runner import LiveStep, LockstepEngine, Timer, decoded, difference_here
-from graphnav.processes.frames import Frame, Kind, receive, send
+from graphnav.processes.frames import Frame, Kind, keep_freed_memory, receive, send
 from graphnav.processes.hosted_changes import HostedChanges
 from graphnav.processes.step_frames import InputsReceived, packed_error
 

@@ -13,12 +13,11 @@ from typing import Any, Literal
 from graphnav import Graph, GraphnavError
 from graphnav.core.graph import Node, Part, part_yaml
 from graphnav.core.interrupts import CtrlC, ctrl_c_later
-from graphnav.core.machine import keep_freed_memory
 from graphnav.core.run_folder import RunFolder
 from graphnav.core.runner import CODE, ProcessState, new_run_id, provenance
 from graphnav.processes import child, host_proxy
 from graphnav.processes.children import Children, Running
-from graphnav.processes.frames import Frame, Kind, send
+from graphnav.processes.frames import Frame, Kind, keep_freed_memory, send
 from graphnav.processes.host_clock_notices import HostClockNotices
 from graphnav.processes.hosts import Host, fingerprint, hosts_of
 from graphnav.processes.journal import Journal
@@ -68,7 +67,7 @@ class Supervisor:
         restarts = any(part.restart != "never" for part in graph.deploy.values())
         self._journal = Journal(folder) if restarts and not is_live else None
         self._versions = _versions(graph)
-        if graph.deploy:  # within one process it gains nothing: pictures of its steps find used memory as it is
+        if graph.deploy:
             keep_freed_memory()
         self.processes = {part.name: self._process(graph, part) for part in graph.deploy.values()}
         """By the name of the part."""

@@ -15,7 +15,7 @@ from graphnav_flow.frames import Frames
 from graphnav_flow.light import LAYER, change_of_light
 from graphnav_flow.normalization import Normalization
 from graphnav_flow.pyramid import Doubling, Pyramid
-from graphnav_flow.refinement import Refinement, box
+from graphnav_flow.refinement import Refinement, box, thinned
 from graphnav_flow.validity import MARGIN_DOC, MARGIN_PX, MIN_TEXTURE_DOC, Inside, Texture
 
 _MEDIAN_PX = 3
@@ -125,7 +125,7 @@ class LucasKanade(Stage):
         """Forget the last image."""
         self._frames = Frames()
         self._enlargement = Enlargement(self.smooth_px)
-        self._average = box(max((self.smooth_px**2 - 9) / 4, 1.0) ** 0.5)
+        self._average = thinned(self.smooth_px)
         self._pyramids: list[Pyramid] = []
         self._normalization: Normalization | None = None
 

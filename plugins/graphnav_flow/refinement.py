@@ -62,7 +62,7 @@ class Refinement:
         self._warped, self._total = np.empty((2, rows, cols), np.float32)
         self._g = np.empty((2, rows, cols), np.float32)
         self._gu, self._gv = self._g
-        self._kernel = np.full((1, window_px), 1 / window_px, np.float32) if every == 1 else _thinned(window_px)
+        self._kernel = np.full((1, window_px), 1 / window_px, np.float32) if every == 1 else thinned(window_px)
         few_rows, few_cols = (-(-side // every) for side in (rows, cols))
         self._start, self._step = self.field[:, ::every, ::every], np.empty((2, few_rows, few_cols), np.float32)
         self.solved = self.planes if every == 1 else tuple(np.empty((2, few_rows, few_cols), np.float32))
@@ -165,10 +165,9 @@ class Refinement:
         cv2.accumulateProduct(self._ratio, self._step[1], u)
 
 
-def _thinned(window_px: int) -> Floats:
-    """Return a box for every second pixel, (1, side), that with pyrDown before it has a window's variance."""
-    width = max(((window_px**2 - 9) / 4) ** 0.5, 1.0)
-    return box(width)
+def thinned(window_px: int) -> Floats:
+    """Return a box for every second pixel, (1, side): with pyrDown before it or pyrUp after as wide as a window."""
+    return box(max((window_px**2 - 9) / 4, 1.0) ** 0.5)
 
 
 def box(width: float) -> Floats:

@@ -8,7 +8,6 @@ from .escaped_streams import escaped_output
 from .extras import import_extra, import_pandas, install_command, requirements_of
 from .files import is_own, open_regular, path_aside, read_json, write_atomically
 from .instruction_set import PORTABLE, environment_alike, expected_instruction_set, used_instruction_set
-from .kept_memory import keep_freed_memory
 from .packet_filter import keep_channels
 from .peer import peer_of
 from .pins import OPT_OUT, lacking, pin
@@ -41,7 +40,6 @@ __all__ = [
     "is_linux",
     "is_own",
     "keep_channels",
-    "keep_freed_memory",
     "lacking",
     "lock_file",
     "no_user_folder",

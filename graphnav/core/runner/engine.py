@@ -140,14 +140,14 @@ class Engine(Generic[I]):
         self._commanded_us: dict[str, int] = {}
         """The stamp of the last message on each of these channels."""
         self._stamp, self._numbers = begin_us, dict[str, int]()
-        self._plain, self._is_read = set[str](), set[str]()
+        self._plain, self._subscribed = set[str](), set[str]()
         self.readers: Readers[I] = {}
         """The stages that read a channel, and their ports, by the channel's name."""
         self._local_readers, self._remote_readers = Readers[I](), Readers[I]()
         self._connect()
 
     def _connect(self) -> None:
-        """Find the readers of every channel, unless nothing is wired, and subscribe to it once."""
+        """Find the readers of every channel, unless nothing is wired; subscribe once where they are in this process."""
         channels: dict[str, Channel] = {}
         self.readers, self._local_readers, self._remote_readers = {}, {}, {}
         for unit in self.units.values() if self._is_wired else ():
@@ -159,10 +159,10 @@ class Engine(Generic[I]):
                         readers.setdefault(link.channel.name, []).append((unit, link.port))
                     if link.port.is_plain:
                         self._plain.add(link.channel.name)
-        for name, channel in channels.items():
-            if name not in self._is_read:
-                self._bus.subscribe(name, partial(self._receive, channel))
-        self._is_read.update(channels)
+        for name in self._local_readers:
+            if name not in self._subscribed:
+                self._bus.subscribe(name, partial(self._receive, channels[name]))
+        self._subscribed.update(self._local_readers)
 
     def remote_units(self, nodes: Iterable[Node]) -> list[RemoteUnit[I]]:
         """Return those of some stages that live in other processes."""
@@ -241,10 +241,10 @@ class Engine(Generic[I]):
         self._numbers[channel] = number - 1
 
     def play(self, channel: str, utime: int, data: bytes, sinks: Sequence[Sink]) -> None:
-        """Give a message of another origin to ``sinks``, and to the stages that read its channel."""
+        """Give a message of another origin to ``sinks``, and to the stages of this process that read its channel."""
         for sink in sinks:
             sink.write(channel, utime, data)
-        if channel in self._is_read:
+        if channel in self._local_readers:
             self._bus.publish(channel, data)
             self._bus.drain()
 
@@ -290,9 +290,8 @@ class Engine(Generic[I]):
         if name in self._played:
             return
         self._check_stamp(name, self._stamp, utime)
-        is_read = name in self._is_read
         number = self._count(name, utime)
-        if not is_read and not self.sinks and self._published is None:
+        if name not in self.readers and not self.sinks and self._published is None:
             return
         data = self._encode(channel, utime, number, message)
         if self._published is not None:

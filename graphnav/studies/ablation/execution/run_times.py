@@ -46,15 +46,15 @@ class TimeEstimate:
         return self.wall_s + self.error_s
 
 
-class _Ratios:
-    """Times of runs over their limits: how many, their sum and the sum of their squares."""
+class _Sample:
+    """Measured values: how many, their sum and the sum of their squares."""
 
     def __init__(self) -> None:
         self.n, self._sum, self._squares = 0, 0.0, 0.0
 
-    def add(self, ratio: float) -> None:
-        """Add that of a run."""
-        self.n, self._sum, self._squares = self.n + 1, self._sum + ratio, self._squares + ratio**2
+    def add(self, value: float) -> None:
+        """Add one."""
+        self.n, self._sum, self._squares = self.n + 1, self._sum + value, self._squares + value**2
 
     def mean(self, of_others: float) -> float:
         """Return the mean, the nearer to that of others the fewer runs there are."""
@@ -80,10 +80,10 @@ class RunTimes:
 
     def __init__(self, until_s: Callable[[Job], float | None]) -> None:
         self._until_s = until_s
-        self._all, self._set_up = _Ratios(), _Ratios()
+        self._all, self._set_up = _Sample(), _Sample()
         self._worlds = set[tuple[str, int]]()
-        self._graphs: dict[str, _Ratios] = {}
-        self._cases: dict[str, _Ratios] = {}
+        self._graphs: dict[str, _Sample] = {}
+        self._cases: dict[str, _Sample] = {}
 
     def add(self, job: Job, drove_s: float, set_up_s: float | None = None) -> None:
         """Add a run that was made; the first through its world tells how long a world takes to make."""
@@ -93,8 +93,8 @@ class RunTimes:
             self._set_up.add(set_up_s)
         ratio = drove_s / self._limit_s(job)
         self._all.add(ratio)
-        self._graphs.setdefault(job.case.graph, _Ratios()).add(ratio)
-        self._cases.setdefault(job.case.folder, _Ratios()).add(ratio)
+        self._graphs.setdefault(job.case.graph, _Sample()).add(ratio)
+        self._cases.setdefault(job.case.folder, _Sample()).add(ratio)
 
     def estimate(self, jobs: Iterable[Job], at_once: int) -> TimeEstimate | None:
         """Return the time of runs that are made ``at_once``; None as long as too few others are made.
@@ -109,7 +109,7 @@ class RunTimes:
             worlds[job.case.graph, job.seed] += 1
             of_cases = limits.setdefault(job.case.graph, {})
             of_cases[job.case.folder] = of_cases.get(job.case.folder, 0.0) + self._limit_s(job)
-        core_s, variance, none = 0.0, 0.0, _Ratios()
+        core_s, variance, none = 0.0, 0.0, _Sample()
         for graph, of_cases in limits.items():
             made = self._graphs.get(graph, none)
             of_graph = made.mean(self._all.own_mean)

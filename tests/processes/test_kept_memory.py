@@ -9,7 +9,7 @@ import pytest
 
 FAULTS = """
 import resource, sys
-from graphnav.core.machine import keep_freed_memory
+from graphnav.processes.frames import keep_freed_memory
 if sys.argv[1] == "keep":
     keep_freed_memory()
 def twice():
