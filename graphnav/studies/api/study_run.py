@@ -149,7 +149,8 @@ class StudyRun:
             As of `make`.
         """
         left, at_once, end_s = {job.folder: job for job in jobs}, self.workers.at_once, time.monotonic() + FIRST_S
-        spread = self._times.spread(next(self.batches(jobs), ()))
+        batch = next(self.batches(jobs), ())
+        self._unmade, spread = {job.folder: job for job in batch}, self._times.spread(batch)
         n_first = len(jobs) * FIRST_SHARE if len(jobs) >= FEW_RUNS else 0
         while (n_made := len(jobs) - len(left)) < n_first and time.monotonic() < end_s and self._knows_too_little(left):
             chosen = list(islice(spread, max(at_once, min(2 * at_once, round(n_first - n_made)))))

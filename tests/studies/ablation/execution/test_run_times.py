@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -165,6 +167,21 @@ def test_the_time_is_told_after_the_first_runs_and_again_when_it_is_resumed(
     told = TOLD.search(capsys.readouterr().out)
     assert told is not None
     assert told[1] == "4", "the runs of before tell it"
+
+
+@pytest.mark.usefixtures("_every_time_is_told")
+def test_the_bar_of_the_first_runs_tells_the_time_of_all(study: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[float] = []
+
+    @contextmanager
+    def bar(*given: Any) -> Iterator[Callable[[str], None]]:
+        *_, left_s = given
+        yield lambda _outcome: told.append(left_s() or 0.0)
+
+    monkeypatch.setattr(commands, "study_bar", bar)
+    assert study.run("--set", "run.until_s=0.3", seeds="0:20") == 0
+    known = [seconds for seconds in told if seconds]
+    assert known[0] > 3 * known[-2], "of most runs, of one"
 
 
 @pytest.mark.usefixtures("_every_time_is_told")
