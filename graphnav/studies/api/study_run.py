@@ -96,6 +96,7 @@ class StudyRun:
             for record in read_records(self.plan, self._folder.path):
                 if case := cases.get((record.graph, record.variant)):
                     self._times.add(Job(case, record.seed), record.wall_s)
+        self._unmade = {job.folder: job for job in next(self.batches(pending), ())}
         return pending
 
     def make(
@@ -139,7 +140,7 @@ class StudyRun:
     def make_first(
         self, jobs: Sequence[Job], on_made: Callable[[str], None], on_failed: Callable[[str], None]
     ) -> list[Job]:
-        """Make runs from all over a study until they tell how long the others take; return the others.
+        """Make some of the `pending` runs, from all over a study, until they tell how long others take; return the others.
 
         They are runs of the study like any other, and take `FIRST_S` and the rest of one run at most.
 
@@ -149,8 +150,7 @@ class StudyRun:
             As of `make`.
         """
         left, at_once, end_s = {job.folder: job for job in jobs}, self.workers.at_once, time.monotonic() + FIRST_S
-        batch = next(self.batches(jobs), ())
-        self._unmade, spread = {job.folder: job for job in batch}, self._times.spread(batch)
+        spread = self._times.spread(list(self._unmade.values()))
         n_first = len(jobs) * FIRST_SHARE if len(jobs) >= FEW_RUNS else 0
         while (n_made := len(jobs) - len(left)) < n_first and time.monotonic() < end_s and self._knows_too_little(left):
             chosen = list(islice(spread, max(at_once, min(2 * at_once, round(n_first - n_made)))))

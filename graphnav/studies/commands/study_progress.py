@@ -42,15 +42,19 @@ def study_bar(
     ended = Counter[str]()
     begin_s = time.monotonic()
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task(title, total=total, completed=done, ended="", over_s=None)
+
+        def over_s(made: int) -> float | None:
+            now_s = time.monotonic()
+            left = left_s() if left_s is not None and not progress.disable else None
+            if left is None and made:
+                left = (now_s - begin_s) / made * (total - done - made)
+            return None if left is None else now_s + left
+
+        task = progress.add_task(title, total=total, completed=done, ended="", over_s=over_s(0))
 
         def show(outcome: str) -> None:
             ended[outcome] += 1
-            made = ended.total()
             said = ", ".join(f"{name} {count}" for name, count in ended.most_common())
-            now_s = time.monotonic()
-            left = left_s() if left_s is not None and progress.disable is False else None
-            over_s = now_s + ((now_s - begin_s) / made * (total - done - made) if left is None else left)
-            progress.update(task, advance=1, ended=f": {said}", over_s=over_s)
+            progress.update(task, advance=1, ended=f": {said}", over_s=over_s(ended.total()))
 
         yield show
