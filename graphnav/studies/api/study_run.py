@@ -140,7 +140,7 @@ class StudyRun:
     def make_first(
         self, jobs: Sequence[Job], on_made: Callable[[str], None], on_failed: Callable[[str], None]
     ) -> list[Job]:
-        """Make some of the `pending` runs, from all over a study, until they tell how long others take; return the others.
+        """Make some of the `pending` runs, from all over a study, until they tell the time of the others; return these.
 
         They are runs of the study like any other, and take `FIRST_S` and the rest of one run at most.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import socket
 import threading
 from collections.abc import Iterable, Iterator, Sequence
@@ -97,6 +98,8 @@ def _knock(address: str) -> None:
 def _perform_here(tasks: Sequence[Task]) -> list[Result]:
     """Make runs in the process of this thread of a cluster's worker; it ends with the worker, or when idle."""
     if not hasattr(_OF_THREAD, "workers"):
+        # Dask lets its own processes return all freed memory at once; a run would take new pages for every picture.
+        os.environ.pop("MALLOC_TRIM_THRESHOLD_", None)
         _OF_THREAD.workers = LocalWorkers(1)
     results: list[Result] = []
     try:
